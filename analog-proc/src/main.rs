@@ -1,0 +1,2 @@
+//! Stand-alone entry to the analog processor.
+fn main() {}

@@ -1,0 +1,2 @@
+//! Entry to the digital processor.
+fn main() {}
