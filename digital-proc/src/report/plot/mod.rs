@@ -7,6 +7,7 @@
 
 mod axis;
 mod canvas;
+mod curve;
 mod decimate;
 mod heat_map;
 mod histogram;
