@@ -111,7 +111,7 @@ impl Fly {
         let plan = self.plan(&vehicle)?;
         let started = UtcSecond::from_system(SystemTime::now());
         let mut machine = self.machine.start(context)?;
-        let mut console = Console::open(machine.port())?;
+        let mut console = Console::new(machine.port());
 
         let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode.name()), started)
             .map_err(Failure::input)?;
