@@ -168,4 +168,86 @@ mod tests {
         assert!(points(&vehicle, &[("x", f64::NAN)]).is_err());
         assert!(points(&vehicle, &[("x", -1.0)]).is_err());
     }
+
+    /// Natural frequency and damping of the slowest oscillation of the pitch
+    /// loop closed by the TVC alone, inside its limits and past its dead zone;
+    /// states `[ż, θ, θ̇, F_T, g, ġ, η, η̇]`, paper eqs. (20)–(25).
+    fn tvc_only_root(vehicle: &Vehicle, point: &SlicePoint) -> (f64, f64) {
+        let (k, gains, mode) = (&point.airframe, &point.settings.gains, &point.bending);
+        let data = vehicle.data();
+        let (m, i, v) = (k.mass_kg, k.pitch_inertia_kgm2, k.airspeed_mps);
+        let (tau, wn) = (data.tvc.time_constant_s, data.gyro.natural_frequency_radps);
+        let (lift, turn) = (k.normal_force_slope_nprad, k.moment_slope_nmprad);
+        let axial = k.thrust_n - k.axial_force_n;
+        let gain = gains.tvc_gain_nprad / tau;
+        let wb = mode.natural_frequency_radps;
+        let mut a = nalgebra::SMatrix::<f64, 8, 8>::zeros();
+        let mut row = |r: usize, entries: &[(usize, f64)]| {
+            for &(c, value) in entries {
+                a[(r, c)] = value;
+            }
+        };
+        row(
+            0,
+            &[(0, -lift / (m * v)), (1, -(axial + lift) / m), (3, 1.0 / m)],
+        );
+        row(1, &[(2, 1.0)]);
+        row(
+            2,
+            &[
+                (0, turn / (i * v)),
+                (1, turn / i),
+                (2, k.rate_damping_nms / i),
+                (3, k.tvc_arm_m / i),
+            ],
+        );
+        row(
+            3,
+            &[
+                (1, -gain),
+                (3, -1.0 / tau),
+                (4, -gain * gains.tvc_lead_s),
+                (6, -gain * mode.imu_slope_pm),
+            ],
+        );
+        row(4, &[(5, 1.0)]);
+        row(
+            5,
+            &[
+                (2, wn * wn),
+                (4, -wn * wn),
+                (5, -2.0 * data.gyro.damping_ratio * wn),
+                (7, wn * wn * mode.gyro_slope_pm),
+            ],
+        );
+        row(6, &[(7, 1.0)]);
+        row(
+            7,
+            &[
+                (3, mode.displacement_at_control / mode.generalised_mass_kg),
+                (6, -wb * wb),
+                (7, -2.0 * mode.damping_ratio * wb),
+            ],
+        );
+        a.complex_eigenvalues()
+            .iter()
+            .filter(|s| s.im > 0.0)
+            .map(|s| (s.norm(), -s.re / s.norm()))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap()
+    }
+
+    #[test]
+    fn the_tvc_alone_is_barely_damped_at_20_s_and_at_max_q() {
+        let vehicle = Vehicle::shipped().unwrap();
+        let points = standard_points(&vehicle).unwrap();
+        // Roots of an independent linearisation of the same data, printed to
+        // 0.01 rad/s and 0.001 of damping: one unit of the last digit.
+        for (name, frequency, damping) in [("gain-20", 2.91, 0.084), ("max-q", 3.15, 0.085)] {
+            let point = points.iter().find(|p| p.name == name).unwrap();
+            let (w, zeta) = tvc_only_root(&vehicle, point);
+            assert!((w - frequency).abs() <= 0.01, "{name}: {w} rad/s");
+            assert!((zeta - damping).abs() <= 0.001, "{name}: {zeta}");
+        }
+    }
 }
