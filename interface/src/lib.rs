@@ -1,1 +1,17 @@
-//! interface
+//! The linkage between the analog and the digital processor.
+//!
+//! It depends on neither. It defines problem time ([`Tick`]), the frames that
+//! cross at sampled rates ([`frame`]), the slow control plane ([`control`]),
+//! and two links behind one pair of traits ([`link`]).
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod control;
+pub mod frame;
+pub mod link;
+pub mod profile;
+pub mod protocol;
+pub mod session;
+pub mod tick;
+
+pub use protocol::Side;
+pub use tick::Tick;

@@ -1,0 +1,192 @@
+//! The slow control plane: patch upload, parameters, ICs, modes, read-back.
+//!
+//! One request, one reply, bincode on the wire. Nothing here crosses during a
+//! frame; while a run operates only frames flow.
+
+use crate::{Tick, profile::Profile};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// A patch with every file that it uses, so that the analog side needs no file system.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PatchBundle {
+    /// Name of the root file, a key of `files`.
+    pub root: String,
+    /// Path (as written in `use`, relative to the root's folder) and text of each file.
+    pub files: Vec<(String, String)>,
+}
+
+impl PatchBundle {
+    /// SHA-256 of the root's name and every file in order, hexadecimal; each text is
+    /// preceded by its length, so that no two bundles share their bytes.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let mut sha = Sha256::new();
+        let mut text = |text: &str| {
+            sha.update((text.len() as u64).to_le_bytes());
+            sha.update(text.as_bytes());
+        };
+        text(&self.root);
+        for (path, contents) in &self.files {
+            text(path);
+            text(contents);
+        }
+        sha.finalize().iter().map(|b| format!("{b:02x}")).collect()
+    }
+}
+
+/// What one OPERATE period is to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunSpec {
+    /// Frame period T.
+    pub frame: Tick,
+    /// Total latency τ from sample to transfer, `0 ≤ τ ≤ T`.
+    pub latency: Tick,
+    /// Multiplexer skew δ between neighbouring ADC channels.
+    pub skew: Tick,
+    /// Problem time at which the run ends; need not be a multiple of T.
+    pub stop: Tick,
+    /// Start from the ICs (true) or go on from the held state (false).
+    pub from_ic: bool,
+    /// Each update takes effect at its own `effective` tick (free-running or
+    /// replay) instead of at `t_n + τ`.
+    pub clock: Clock,
+}
+
+/// Who says when an update takes effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Clock {
+    /// Lock-step: at `t_n + τ`, whatever the wall clock says.
+    LockStep,
+    /// Free-running: the analog side is paced by the wall clock and stamps each transfer.
+    Wall,
+    /// At the recorded ticks that the updates carry.
+    Replay,
+}
+
+/// Role of a converter, coefficient or line in the loaded patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ChannelKind {
+    /// Sampled analog net.
+    Adc,
+    /// Signal set by the digital side (DAC or MDAC).
+    Dac,
+    /// Coefficient set by the digital side.
+    Dcu,
+    /// Logic, analog to digital.
+    Sense,
+    /// Logic, digital to analog.
+    Control,
+    /// Comparator edge with its located time.
+    Interrupt,
+}
+
+/// One channel of the loaded patch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Kind of channel.
+    pub kind: ChannelKind,
+    /// Block name in the patch, by which the digital side finds it.
+    pub name: String,
+    /// Channel or line number.
+    pub number: u32,
+    /// Full scale in problem units (the block's `max`), if stated.
+    pub full_scale: Option<f64>,
+}
+
+/// A request of the digital side.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Request {
+    /// First request of a session: both sides compare these.
+    Hello {
+        /// Protocol version.
+        version: u32,
+        /// Hash of the frame layouts.
+        layout_hash: u64,
+    },
+    /// Compiles and loads a patch; the machine goes to IC.
+    Load {
+        /// The patch and its sub-patches.
+        bundle: PatchBundle,
+        /// Values for `[params]` entries, overriding the patch's own.
+        params: Vec<(String, f64)>,
+        /// The machine profile.
+        profile: Profile,
+    },
+    /// Pot-set: new values for `[params]` entries; the machine goes to IC.
+    SetParams(Vec<(String, f64)>),
+    /// New initial conditions by integrator name; the machine goes to IC.
+    SetIcs(Vec<(String, f64)>),
+    /// Sets DACs (problem units), DCUs and control lines (0 or 1) while not operating, by block name.
+    Preset(Vec<(String, f64)>),
+    /// Values of nets now (in IC or HOLD).
+    Read(Vec<String>),
+    /// Outputs and derivatives at IC against the values expected in the patch.
+    StaticCheck,
+    /// Starts a run; frames follow until `Ended` or `Faulted`.
+    Operate(RunSpec),
+    /// Text of the fault that ended the last run, and latched overloads.
+    Diagnose,
+    /// Ends the session.
+    Bye,
+}
+
+/// One overloaded block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Overload {
+    /// Block name.
+    pub block: String,
+    /// Located time of the first excess, s.
+    pub time_s: f64,
+    /// Value at that time, problem units.
+    pub value: f64,
+}
+
+/// One line of a static check.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StaticCheckLine {
+    /// Block name.
+    pub block: String,
+    /// `output` or `derivative`.
+    pub what: String,
+    /// Expected value, problem units.
+    pub expected: f64,
+    /// Computed value, problem units.
+    pub found: f64,
+    /// Whether they agree within the patch's tolerance.
+    pub agrees: bool,
+}
+
+/// The analog side's answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reply {
+    /// Handshake accepted, with the analog side's own values.
+    Hello {
+        /// Protocol version.
+        version: u32,
+        /// Hash of the frame layouts.
+        layout_hash: u64,
+    },
+    /// The patch is loaded.
+    Loaded {
+        /// SHA-256 of the bundle, hexadecimal.
+        patch_hash: String,
+        /// Every channel of the patch.
+        channels: Vec<Channel>,
+    },
+    /// Done.
+    Done,
+    /// Net values in the order asked.
+    Values(Vec<f64>),
+    /// Static check result.
+    StaticCheck(Vec<StaticCheckLine>),
+    /// What ended the last run, and overloads.
+    Diagnosis {
+        /// Fault text, if the last run faulted.
+        fault: Option<String>,
+        /// Latched overloads in order of time.
+        overloads: Vec<Overload>,
+    },
+    /// The request was refused; the text is ready to be shown (may be several lines).
+    Refused(String),
+}
