@@ -30,7 +30,7 @@ pub fn run(
     port: &mut dyn AnalogPort,
 ) -> Result<Option<RunFault>, LinkFault> {
     let origin = simulation.now();
-    channels.start_run(spec.frame);
+    channels.set_all(simulation);
     let mut cycle = Cycle {
         spec,
         simulation,
@@ -102,8 +102,27 @@ struct Cycle<'a> {
 }
 
 impl Cycle<'_> {
-    /// Integrates to run time `to`; in HOLD only the clock moves.
+    /// Integrates to run time `to`, stopping where an interpolating hold arrives.
     fn advance(&mut self, to: Tick) {
+        while let Some(at) = self.channels.next_arrival(self.clock).filter(|at| *at <= to) {
+            self.integrate(at);
+            self.channels.arrive(at, self.simulation);
+            self.settle();
+        }
+        self.integrate(to);
+    }
+
+    /// Lets what was set take effect.
+    fn settle(&mut self) {
+        if self.over.is_none()
+            && let Err(fault) = self.simulation.apply()
+        {
+            self.over = Some(Over::Faulted(fault));
+        }
+    }
+
+    /// Integrates to run time `to`; in HOLD only the clock moves.
+    fn integrate(&mut self, to: Tick) {
         if self.over.is_some() || to <= self.clock {
             return;
         }
@@ -135,10 +154,9 @@ impl Cycle<'_> {
         if self.over.is_some() {
             return Ok(());
         }
-        let now = self.simulation.now().secs();
-        self.channels.transfer(&updates, now, self.simulation);
-        if let Err(fault) = self.simulation.apply() {
-            self.over = Some(Over::Faulted(fault));
+        self.channels.transfer(&updates, due, self.simulation);
+        self.settle();
+        if self.over.is_some() {
             return Ok(());
         }
         match updates.mode_command() {
@@ -155,7 +173,8 @@ impl Cycle<'_> {
         if self.holding {
             samples.state = RunState::Hold as u32;
         }
-        self.channels.stamp(self.simulation, self.held, self.origin, samples);
+        let shift = self.held - self.origin;
+        self.channels.stamp(self.simulation, shift, samples);
     }
 
     /// Tells the digital side that the run is over.

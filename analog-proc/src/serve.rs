@@ -8,6 +8,7 @@
 
 use crate::{
     channels::Channels,
+    frame_cycle,
     net::{BlockId, NetId},
     order::Ordered,
     patch,
@@ -15,8 +16,7 @@ use crate::{
 };
 use interface::{
     Tick,
-    control::{Clock, Overload, PatchBundle, Reply, Request, RunSpec},
-    frame::{ModeCommand, RunState, Samples, Updates},
+    control::{Overload, PatchBundle, Reply, Request, RunSpec},
     link::{AnalogPort, LinkFault},
     profile::Profile,
 };
@@ -143,6 +143,16 @@ impl Server {
         }
     }
 
+    /// Runs one OPERATE period that was admitted.
+    fn run(&mut self, spec: &RunSpec, port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
+        let Some(loaded) = &mut self.loaded else {
+            return Ok(()); // never: `admit` asked for it
+        };
+        let fault = frame_cycle::run(spec, &mut loaded.simulation, &mut loaded.channels, port)?;
+        self.fault = fault.map(|f| f.to_string());
+        Ok(())
+    }
+
     fn loaded(&mut self) -> Result<&mut Loaded, String> {
         self.loaded.as_mut().ok_or_else(|| "no patch is loaded; load one first".into())
     }
@@ -166,6 +176,10 @@ impl Server {
         if stop < Tick::ZERO {
             return Err(format!("stop time {stop} is negative"));
         }
+        if spec.from_ic {
+            loaded.reset()?;
+        }
+        self.fault = None;
         Ok(())
     }
 }

@@ -27,7 +27,7 @@ impl PatchArgs {
                 f.render()
             })
         };
-        let profile = Profile::named(&self.profile).map_err(Failure::input)?;
+        let profile = Profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;

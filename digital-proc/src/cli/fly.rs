@@ -173,7 +173,7 @@ impl Fly {
     }
 
     fn plan(&self, vehicle: &Vehicle) -> Result<FlightPlan, Failure> {
-        let profile = Profile::named(&self.machine.profile).map_err(Failure::input)?;
+        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let mut case = if self.design_case {
             FlightCase::design(vehicle, self.mode).map_err(Failure::input)?
         } else {
