@@ -43,6 +43,7 @@ pub fn run(
         pending: None,
         over: None,
     };
+    cycle.settle();
     let channels_in_scan = cycle.channels.adc_count();
     for frame in 0_u64.. {
         // Overflow would take 292 years of problem time: such a frame lies beyond any stop.
