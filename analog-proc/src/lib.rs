@@ -4,5 +4,7 @@
 //! net cannot run: text → net → checked → ordered → machine.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod check;
 pub mod net;
 pub mod order;
+pub mod patch;
