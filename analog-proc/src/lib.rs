@@ -4,5 +4,14 @@
 //! net cannot run: text → net → checked → ordered → machine.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod block;
+mod event;
+pub mod fault;
+mod integrate;
+pub mod machine;
+pub mod mode;
 pub mod net;
+mod operate;
 pub mod order;
+pub mod overload;
+pub mod simulation;
