@@ -6,7 +6,7 @@
 
 mod block_diagram;
 mod claims;
-mod flight;
+pub mod flight;
 pub mod format;
 #[cfg(test)]
 mod gallery;
