@@ -207,10 +207,29 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
 impl<W: DigitalWire> DigitalEnd<W> {
     /// Greets the partner, which has the same build or is refused.
     pub(super) fn greet(&mut self) -> Result<(), LinkFault> {
-        match self.request(&protocol::hello())? {
+        // The partner may still be starting: it has as long as it has to arrive.
+        let limit = self.patience.arrival.map_or(Limit::Unlimited, Limit::After);
+        match self.request_within(&protocol::hello(), limit)? {
             Reply::Refused(detail) => Err(LinkFault::Protocol { frame: 0, detail }),
             _ => Ok(()),
         }
+    }
+
+    fn request_within(&mut self, request: &Request, limit: Limit) -> Result<Reply, LinkFault> {
+        let frame = self.protocol.frame();
+        self.protocol.request(request).map_err(|e| e.at(frame))?;
+        // Samples of an earlier run that nobody asked for.
+        while self.wire.take_samples()?.is_some() {}
+        self.wire.put_request(request)?;
+        let reply = wait(
+            &self.patience,
+            &mut self.wire,
+            limit,
+            frame,
+            DigitalWire::take_reply,
+        )?;
+        self.protocol.reply(&reply).map_err(|e| e.at(frame))?;
+        Ok(reply)
     }
 }
 
@@ -249,20 +268,7 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
     }
 
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault> {
-        let frame = self.protocol.frame();
-        self.protocol.request(request).map_err(|e| e.at(frame))?;
-        // Samples of an earlier run that nobody asked for.
-        while self.wire.take_samples()?.is_some() {}
-        self.wire.put_request(request)?;
-        let reply = wait(
-            &self.patience,
-            &mut self.wire,
-            Limit::Silence,
-            frame,
-            DigitalWire::take_reply,
-        )?;
-        self.protocol.reply(&reply).map_err(|e| e.at(frame))?;
-        Ok(reply)
+        self.request_within(request, Limit::Silence)
     }
 }
 
