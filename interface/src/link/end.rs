@@ -281,3 +281,58 @@ pub(super) fn died(watch: &impl Watch, frame: u64) -> LinkFault {
         detail: watch.epitaph(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::memory;
+
+    /// Two ends that have not met, as two processes have not.
+    fn strangers() -> (memory::MemoryAnalog, memory::MemoryDigital) {
+        let (mut analog, mut digital) = memory::pair();
+        analog.protocol = Protocol::new();
+        digital.protocol = Protocol::new();
+        (analog, digital)
+    }
+
+    #[test]
+    fn one_build_greets_itself() {
+        let (mut analog, mut digital) = strangers();
+        std::thread::scope(|scope| {
+            scope.spawn(|| analog.greet().unwrap());
+            digital.greet().unwrap();
+        });
+        assert_eq!(analog.protocol, digital.protocol);
+        assert_eq!(analog.protocol, Protocol::greeted());
+    }
+
+    #[test]
+    fn another_build_is_refused_and_both_sides_say_why() {
+        let ours = protocol::layout_hash();
+        for (version, layout_hash, word) in [
+            (protocol::VERSION + 1, ours, "protocol version"),
+            (protocol::VERSION, ours ^ 1, "frame layout"),
+        ] {
+            let (mut analog, mut digital) = strangers();
+            digital
+                .wire
+                .put_request(&Request::Hello {
+                    version,
+                    layout_hash,
+                })
+                .unwrap();
+            let fault = analog.greet().unwrap_err();
+            assert!(matches!(fault, LinkFault::Protocol { .. }));
+            assert!(fault.to_string().contains(word), "{fault}");
+            let told = digital.wire.take_reply().unwrap();
+            assert!(matches!(told, Some(Reply::Refused(text)) if text.contains(word)));
+        }
+    }
+
+    #[test]
+    fn a_stranger_that_does_not_greet_is_refused() {
+        let (mut analog, mut digital) = strangers();
+        digital.wire.put_request(&Request::StaticCheck).unwrap();
+        assert!(matches!(analog.greet(), Err(LinkFault::Protocol { .. })));
+    }
+}

@@ -322,6 +322,26 @@ fn a_stopped_partner_meets_the_deadline() {
 }
 
 #[test]
+fn a_computing_partner_may_take_its_time_up_to_a_limit() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    for (busy_limit, patient) in [(60, true), (0, false)] {
+        let session = Session::create_in(&base, Side::Digital, None).unwrap();
+        let child = Role::start("partner", &base, session.name());
+        let patience = Patience {
+            // The partner answers after 1.5 s of computing.
+            silence: Duration::from_millis(500),
+            busy_limit: Duration::from_secs(busy_limit),
+            ..Patience::default()
+        };
+        let mut port = ShmDigital::open(&session, Some(child.pid()), &patience).unwrap();
+        let answer = port.request(&Request::Read(vec!["busy".into()]));
+        assert_eq!(answer.is_ok(), patient, "{answer:?}");
+        drop((port, child));
+    }
+}
+
+#[test]
 fn sessions_side_by_side_do_not_disturb_each_other() {
     let dir = tempfile::tempdir().unwrap();
     let base = dir.path().join("base");
