@@ -2,7 +2,9 @@
 //! lines, with a remedy; and every kind of fault has such a file.
 #![allow(clippy::unwrap_used)]
 
+use analog_proc::check::against_profile;
 use analog_proc::patch::{FaultRecord, PatchFault, PatchFaults, bundle_from_path, compile};
+use interface::profile::Profile;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -35,12 +37,20 @@ fn expectations(path: &Path) -> Vec<Expectation> {
         .collect()
 }
 
+/// Reads `# profile: NAME`; without it the machine has no limits.
+fn profile(path: &Path) -> Profile {
+    let text = std::fs::read_to_string(path).unwrap();
+    let name = text.lines().find_map(|l| l.strip_prefix("# profile: "));
+    Profile::load(name.unwrap_or("ideal").trim()).unwrap()
+}
+
 fn faults_of(path: &Path) -> PatchFaults {
     match bundle_from_path(path) {
         Err(faults) => faults,
         Ok(bundle) => match compile(&bundle, &[]) {
             Err(faults) => faults,
-            Ok(_) => panic!("{} compiles", path.display()),
+            Ok(ordered) => against_profile(&ordered, &profile(path))
+                .expect_err(&format!("{} compiles", path.display())),
         },
     }
 }
@@ -59,7 +69,7 @@ fn each_file_yields_the_faults_that_it_names() {
         let mut expected = expectations(&path);
         assert!(!expected.is_empty(), "{} names no fault", path.display());
         let faults = faults_of(&path);
-        let mut found = found(&faults.records());
+        let mut found = found(&faults.to_list());
         expected.sort();
         found.sort();
         if expected != found {
@@ -81,7 +91,9 @@ fn each_kind_of_fault_has_its_file() {
         .collect();
     for code in PatchFault::CODES {
         assert!(names.contains(*code), "no patch-files/bad/{code}.toml");
-        let path = files().into_iter().find(|p| p.file_stem().unwrap() == *code);
+        let path = files()
+            .into_iter()
+            .find(|p| p.file_stem().unwrap() == *code);
         let expected = expectations(&path.unwrap());
         assert!(
             expected.iter().any(|(c, _, _)| c == code),
@@ -95,7 +107,7 @@ fn each_fault_shows_its_line_and_a_remedy() {
     for path in files() {
         let faults = faults_of(&path);
         let text = faults.render();
-        for record in faults.records() {
+        for record in faults.to_list() {
             assert!(
                 record.help.len() > 10,
                 "{}: `{}` has no remedy",
@@ -115,7 +127,7 @@ fn an_algebraic_loop_is_shown_as_the_whole_cycle() {
         .into_iter()
         .find(|p| p.ends_with("algebraic-loop.toml"))
         .unwrap();
-    let record = faults_of(&path).records().remove(0);
+    let record = faults_of(&path).to_list().remove(0);
     assert!(
         record.message.contains("error → scaled → output → error"),
         "{}",
