@@ -5,10 +5,16 @@
 //! and two links behind one pair of traits ([`link`]).
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod coefficient;
 pub mod control;
+pub mod converter;
 pub mod frame;
+pub mod hold;
 pub mod link;
 pub mod profile;
+pub mod protocol;
+pub mod session;
 pub mod tick;
 
+pub use protocol::Side;
 pub use tick::Tick;
