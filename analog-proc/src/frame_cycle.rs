@@ -7,12 +7,7 @@
 //! of integers, so that no schedule of the two processes can change the result.
 //! In HOLD the frames go on and problem time stands still.
 
-use crate::{
-    channels::Channels,
-    fault::RunFault,
-    mode::Mode,
-    simulation::Simulation,
-};
+use crate::{channels::Channels, fault::RunFault, mode::Mode, simulation::Simulation};
 use interface::{
     Tick,
     control::RunSpec,
@@ -47,11 +42,18 @@ pub fn run(
     let channels_in_scan = cycle.channels.adc_count();
     for frame in 0_u64.. {
         // Overflow would take 292 years of problem time: such a frame lies beyond any stop.
-        let at = spec.frame.checked_mul(frame).map_or(spec.stop, |t| t.min(spec.stop));
+        let at = spec
+            .frame
+            .checked_mul(frame)
+            .map_or(spec.stop, |t| t.min(spec.stop));
         let last = at == spec.stop;
         let mut samples = Samples::new(frame, at, RunState::Operate);
         for index in 0..channels_in_scan.max(1) {
-            let instant = if last { at } else { at + spec.skew * index as i64 };
+            let instant = if last {
+                at
+            } else {
+                at + spec.skew * index as i64
+            };
             cycle.transfer_before(instant)?;
             cycle.advance(instant);
             if index < channels_in_scan {
@@ -104,7 +106,11 @@ struct Cycle<'a> {
 impl Cycle<'_> {
     /// Integrates to run time `to`, stopping where an interpolating hold arrives.
     fn advance(&mut self, to: Tick) {
-        while let Some(at) = self.channels.next_arrival(self.clock).filter(|at| *at <= to) {
+        while let Some(at) = self
+            .channels
+            .next_arrival(self.clock)
+            .filter(|at| *at <= to)
+        {
             self.integrate(at);
             self.channels.arrive(at, self.simulation);
             self.settle();

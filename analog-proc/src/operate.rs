@@ -69,7 +69,13 @@ impl<'a> Recorder<'a> {
             next += 1;
         }
         let values = vec![0.0; slots.len()];
-        Recorder { every, next, slots, values, sink }
+        Recorder {
+            every,
+            next,
+            slots,
+            values,
+            sink,
+        }
     }
 
     fn next_s(&self) -> f64 {
@@ -173,7 +179,8 @@ impl Engine {
     pub fn derivative_pass(&mut self) -> f64 {
         let n = self.step.y0.len();
         self.probe[..n].copy_from_slice(&self.step.y0);
-        self.machine.derivatives(&self.frozen, self.t_s, &mut self.probe, &mut self.step.f1);
+        self.machine
+            .derivatives(&self.frozen, self.t_s, &mut self.probe, &mut self.step.f1);
         self.step.f1.last().copied().unwrap_or(0.0)
     }
 
@@ -189,11 +196,20 @@ impl Engine {
             // What is read at this instant belongs to what follows it.
             line.aim(t_s, line.delay_s * 1e-3);
         }
-        let Engine { machine, frozen, nets, before, happenings, ics, .. } = self;
+        let Engine {
+            machine,
+            frozen,
+            nets,
+            before,
+            happenings,
+            ics,
+            ..
+        } = self;
         machine.settle(frozen, ics, t_s, nets, before, initial, happenings)?;
         self.overloads.append(&mut self.happenings.overloads);
         self.step.y0.copy_from_slice(&self.nets[..n]);
-        self.machine.derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
+        self.machine
+            .derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
         self.step.evaluations += 1;
         self.probe.copy_from_slice(&self.nets);
         self.scheme.restart();
@@ -224,9 +240,17 @@ impl Engine {
             (None, None, Some(slot)) => ("derivative", slot),
             (None, None, None) => ("error estimate", self.step.worst),
         };
-        let block = machine.block_of_slot.get(slot).map_or_else(String::new, |b| machine.block_name(*b));
+        let block = machine
+            .block_of_slot
+            .get(slot)
+            .map_or_else(String::new, |b| machine.block_name(*b));
         let net = machine.slot_name(slot as u32);
-        RunFault::NonFinite { t_s: self.t_s, block, net, what }
+        RunFault::NonFinite {
+            t_s: self.t_s,
+            block,
+            net,
+            what,
+        }
     }
 
     fn fire_timers(&mut self) -> bool {
@@ -254,8 +278,17 @@ impl Engine {
 
     /// The next instant that is known beforehand, s.
     fn next_instant_s(&self) -> f64 {
-        let timers = self.frozen.timer_s.iter().copied().fold(f64::INFINITY, f64::min);
-        self.frozen.lines.iter().map(|line| line.next_s()).fold(timers, f64::min)
+        let timers = self
+            .frozen
+            .timer_s
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        self.frozen
+            .lines
+            .iter()
+            .map(|line| line.next_s())
+            .fold(timers, f64::min)
     }
 
     fn first_step_s(&mut self) -> f64 {
@@ -274,13 +307,18 @@ impl Engine {
         };
         let (y0, f0) = (&self.step.y0, &self.step.f0);
         let (d0, d1) = (size(y0, y0, &self.atol), size(f0, y0, &self.atol));
-        let mut h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
+        let mut h0 = if d0 < 1e-5 || d1 < 1e-5 {
+            1e-6
+        } else {
+            0.01 * d0 / d1
+        };
         h0 = h0.min(cap_s);
         for i in 0..n {
             self.probe[i] = y0[i] + h0 * f0[i];
         }
         let t_s = self.t_s + h0;
-        self.machine.derivatives(&self.frozen, t_s, &mut self.probe, &mut self.step.f1);
+        self.machine
+            .derivatives(&self.frozen, t_s, &mut self.probe, &mut self.step.f1);
         self.step.evaluations += 1;
         for i in 0..n {
             self.step.f1[i] = (self.step.f1[i] - self.step.f0[i]) / h0;
@@ -293,7 +331,11 @@ impl Engine {
             (0.01 / greatest).powf(1.0 / self.scheme.exponent())
         };
         let h = (100.0 * h0).min(h1).min(cap_s);
-        if h.is_finite() && h > 0.0 { h } else { 1e-6_f64.min(cap_s) }
+        if h.is_finite() && h > 0.0 {
+            h
+        } else {
+            1e-6_f64.min(cap_s)
+        }
     }
 
     fn cap_s(&self) -> f64 {
@@ -336,8 +378,7 @@ impl Engine {
                     recorder.record(&self.nets);
                 }
             }
-            if self.overloads.len() > known
-                && self.integration.overload != OverloadPolicy::Continue
+            if self.overloads.len() > known && self.integration.overload != OverloadPolicy::Continue
             {
                 return Ok(self.overloads.get(known).copied());
             }
@@ -362,9 +403,23 @@ impl Engine {
         for line in &mut self.frozen.lines {
             line.aim(self.t_s, h_s);
         }
-        let Engine { machine, frozen, atol, integration, step, nets, scheme, .. } = self;
+        let Engine {
+            machine,
+            frozen,
+            atol,
+            integration,
+            step,
+            nets,
+            scheme,
+            ..
+        } = self;
         step.t0_s = self.t_s;
-        let system = System { machine, frozen, atol, rtol: integration.rtol };
+        let system = System {
+            machine,
+            frozen,
+            atol,
+            rtol: integration.rtol,
+        };
         scheme.attempt(system, step, h_s, nets)
     }
 
@@ -377,22 +432,28 @@ impl Engine {
         let room_s = target_s - self.t_s;
         let adaptive = self.scheme.adaptive();
         let proposal_s = self.next_step_s.min(self.cap_s());
-        let mut h_s = if adaptive { proposal_s.min(room_s) } else { room_s.min(self.machine.step_cap_s) };
+        let mut h_s = if adaptive {
+            proposal_s.min(room_s)
+        } else {
+            room_s.min(self.machine.step_cap_s)
+        };
         if adaptive && proposal_s <= resolution_s(self.t_s) {
             return Err(self.underflow(1.0, proposal_s));
         }
         let mut end_s = self.end_of(h_s, target_s, room_s);
         let mut rejected = false;
         loop {
-            h_s = end_s - self.t_s;
-            let error = self.attempt(h_s);
+            // The step as time resolves it; the wish goes on shrinking below that.
+            let step_s = end_s - self.t_s;
+            let error = self.attempt(step_s);
             if !adaptive {
                 break;
             }
             if error <= 1.0 {
-                self.propose(error, h_s, proposal_s, rejected);
+                self.propose(error, step_s, proposal_s, rejected);
                 break;
             }
+            h_s = h_s.min(step_s);
             self.statistics.rejected += 1;
             let shrink = if error.is_finite() {
                 (SAFETY * error.powf(-1.0 / self.scheme.exponent())).clamp(SHRINK, SAFETY)
@@ -456,7 +517,11 @@ impl Engine {
             let state = self.step.worst;
             let block = self.machine.block_of_state.get(state);
             let block = block.map_or_else(String::new, |b| self.machine.block_name(*b));
-            RunFault::StepUnderflow { t_s: self.t_s, step_s, block }
+            RunFault::StepUnderflow {
+                t_s: self.t_s,
+                step_s,
+                block,
+            }
         } else {
             self.not_finite(&self.nets, &self.step.f1)
         }
@@ -523,7 +588,10 @@ impl Engine {
             self.look((t_s - self.step.t0_s) / self.step.h_s);
         }
         let mut margins = std::mem::take(&mut self.margins);
-        self.witness(if by_steps { &self.nets } else { &self.probe }, &mut margins);
+        self.witness(
+            if by_steps { &self.nets } else { &self.probe },
+            &mut margins,
+        );
         self.margins = margins;
         self.margins.iter().any(|g| *g > 0.0)
     }
@@ -609,7 +677,12 @@ impl Engine {
     /// surface, if one does: the place of a graze. The middle is in `margins`.
     fn nearest_approach(&self) -> Option<f64> {
         let mut best: Option<(f64, f64)> = None;
-        for ((low, middle), high) in self.margins_low.iter().zip(&self.margins).zip(&self.margins_high) {
+        for ((low, middle), high) in self
+            .margins_low
+            .iter()
+            .zip(&self.margins)
+            .zip(&self.margins_high)
+        {
             let bend = 2.0 * (low - 2.0 * middle + high);
             if !(bend < 0.0) {
                 continue;
@@ -686,7 +759,13 @@ impl Engine {
         if self.chatter < CHATTER_EVENTS {
             return Ok(());
         }
-        let block = self.machine.block_name(self.machine.elements[element as usize].0);
-        Err(RunFault::Chatter { t_s: self.t_s, block, events: self.chatter })
+        let block = self
+            .machine
+            .block_name(self.machine.elements[element as usize].0);
+        Err(RunFault::Chatter {
+            t_s: self.t_s,
+            block,
+            events: self.chatter,
+        })
     }
 }

@@ -53,7 +53,13 @@ pub struct Simulation {
 
 fn check(integration: &Integration) -> Result<(), RunFault> {
     let refuse = |setting, value| Err(RunFault::Setting { setting, value });
-    let Integration { rtol, atol, step_s, max_step_s, .. } = *integration;
+    let Integration {
+        rtol,
+        atol,
+        step_s,
+        max_step_s,
+        ..
+    } = *integration;
     if !(rtol >= 0.0 && rtol.is_finite()) {
         return refuse("rtol", rtol);
     }
@@ -82,7 +88,11 @@ impl Simulation {
         let frozen: Frozen = machine.frozen();
         let (states, slots) = (machine.states, machine.slots);
         let watched = machine.watched.len();
-        let atol: Vec<f64> = machine.scales.iter().map(|s| s * integration.atol).collect();
+        let atol: Vec<f64> = machine
+            .scales
+            .iter()
+            .map(|s| s * integration.atol)
+            .collect();
         let engine = Engine {
             frozen,
             ics: machine.ics.clone(),
@@ -180,8 +190,10 @@ impl Simulation {
         nets: &[NetId],
         mut sink: impl FnMut(f64, &[f64]),
     ) -> Result<Advance, RunFault> {
-        let slots: Vec<u32> =
-            nets.iter().map(|n| self.engine.machine.slot_of_net[n.index()]).collect();
+        let slots: Vec<u32> = nets
+            .iter()
+            .map(|n| self.engine.machine.slot_of_net[n.index()])
+            .collect();
         let mut recorder = Recorder::new(self.engine.t_s, every, slots, &mut sink);
         self.advance(t, Some(&mut recorder))
     }
@@ -198,7 +210,10 @@ impl Simulation {
             self.apply()?;
         }
         if self.mode == Mode::Hold || self.ended.is_some() {
-            return Ok(Advance { reached: self.now(), stopped_by: self.ended });
+            return Ok(Advance {
+                reached: self.now(),
+                stopped_by: self.ended,
+            });
         }
         self.mode = Mode::Operate;
         let result = self.engine.operate(t.secs(), recorder);
@@ -211,7 +226,10 @@ impl Simulation {
             }
         }
         let reached = if stopped_by.is_some() { self.now() } else { t };
-        Ok(Advance { reached, stopped_by })
+        Ok(Advance {
+            reached,
+            stopped_by,
+        })
     }
 
     fn keep<T>(&mut self, result: Result<T, RunFault>) -> Result<T, RunFault> {
@@ -302,7 +320,9 @@ impl Simulation {
     #[must_use]
     pub fn sense(&self, line: u32) -> bool {
         let senses = &self.engine.machine.senses;
-        senses.iter().any(|(number, slot)| *number == line && self.engine.nets[*slot as usize] != 0.0)
+        senses
+            .iter()
+            .any(|(number, slot)| *number == line && self.engine.nets[*slot as usize] != 0.0)
     }
 
     /// Overloads latched since the last reset, in order of time.
@@ -322,14 +342,24 @@ impl Simulation {
             let driver = self.engine.machine.driver_of(item.net);
             let found = [
                 (false, item.output, self.net(item.net)),
-                (true, item.derivative, driver.and_then(|b| self.derivative(b)).unwrap_or(f64::NAN)),
+                (
+                    true,
+                    item.derivative,
+                    driver.and_then(|b| self.derivative(b)).unwrap_or(f64::NAN),
+                ),
             ];
             for (derivative, expected, found) in found {
                 let Some(expected) = expected else { continue };
                 // Not `>`: an undefined value is a mismatch.
                 if !((found - expected).abs() <= item.tolerance) {
                     let (net, tolerance) = (item.net, item.tolerance);
-                    mismatches.push(Mismatch { net, derivative, expected, found, tolerance });
+                    mismatches.push(Mismatch {
+                        net,
+                        derivative,
+                        expected,
+                        found,
+                        tolerance,
+                    });
                 }
             }
         }

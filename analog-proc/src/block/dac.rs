@@ -20,7 +20,12 @@ impl DacPiece {
     /// A value held from `from_s` on, without settling.
     #[must_use]
     pub fn held(value: f64, from_s: f64) -> DacPiece {
-        DacPiece { value, slope_per_s: 0.0, from_s, settling_s: 0.0 }
+        DacPiece {
+            value,
+            slope_per_s: 0.0,
+            from_s,
+            settling_s: 0.0,
+        }
     }
 }
 
@@ -35,7 +40,11 @@ pub(crate) struct Hold {
 
 impl Hold {
     pub fn at(value: f64) -> Hold {
-        Hold { piece: DacPiece::held(value, 0.0), residue: 0.0, constant: true }
+        Hold {
+            piece: DacPiece::held(value, 0.0),
+            residue: 0.0,
+            constant: true,
+        }
     }
 
     pub fn transfer(&self, piece: DacPiece) -> Hold {
@@ -47,7 +56,11 @@ impl Hold {
         if piece.slope_per_s == 0.0 && residue == 0.0 {
             return Hold::at(piece.value);
         }
-        Hold { piece, residue, constant: false }
+        Hold {
+            piece,
+            residue,
+            constant: false,
+        }
     }
 
     #[inline(always)]

@@ -1,9 +1,7 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
 use super::{CHECK_FAILED, Failure, PatchArgs};
-use crate::{
-    net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check,
-};
+use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
 use interface::{control::StaticCheckLine, profile::Profile};
 
 /// Check a patch.
@@ -32,7 +30,10 @@ impl PatchArgs {
         let _profile = Profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
-        Ok(Compiled { hash: patch::hash(&bundle), ordered })
+        Ok(Compiled {
+            hash: patch::hash(&bundle),
+            ordered,
+        })
     }
 }
 
@@ -42,7 +43,8 @@ impl Check {
         let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
         let lines = static_check(&ordered, &mut simulation).map_err(Failure::input)?;
         let disagree = lines.iter().filter(|l| !l.agrees).count();
-        let count = |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
+        let count =
+            |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
         let integrators = count(|k| matches!(k, Kind::Integrator { .. } | Kind::Lag { .. }));
         let logic = count(Kind::is_logic);
         if self.patch.json {
@@ -69,7 +71,10 @@ impl Check {
         if disagree > 0 {
             return Err(Failure {
                 code: CHECK_FAILED,
-                text: format!("static check: {disagree} of {} values disagree", lines.len()),
+                text: format!(
+                    "static check: {disagree} of {} values disagree",
+                    lines.len()
+                ),
             });
         }
         Ok(())
@@ -77,7 +82,13 @@ impl Check {
 }
 
 fn describe(line: &StaticCheckLine) -> String {
-    let StaticCheckLine { block, what, expected, found, agrees } = line;
+    let StaticCheckLine {
+        block,
+        what,
+        expected,
+        found,
+        agrees,
+    } = line;
     let verdict = if *agrees { "ok" } else { "DISAGREES" };
     format!("{block} {what}: expected {expected}, found {found}: {verdict}")
 }

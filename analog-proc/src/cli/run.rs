@@ -3,7 +3,7 @@
 use super::{Failure, PatchArgs, check::Compiled};
 use crate::{
     net::NetId,
-    record::{Recorder, RecordFault},
+    record::{RecordFault, Recorder},
     simulation::Simulation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
@@ -35,7 +35,9 @@ pub struct Run {
 impl Run {
     pub fn execute(self) -> Result<(), Failure> {
         if self.until < Tick::ZERO || self.every <= Tick::ZERO {
-            return Err(Failure::input("--until must not be negative and --every must be positive"));
+            return Err(Failure::input(
+                "--until must not be negative and --every must be positive",
+            ));
         }
         let Compiled { ordered, .. } = self.patch.compile()?;
         let names = self.recorded(&ordered)?;
@@ -74,7 +76,10 @@ impl Run {
             Failure::input(format!("{f}\nrecorded up to there: {}", self.out.display()))
         })?;
         if advance.stopped_by.is_some() {
-            eprintln!("the run ended at {} by its overload policy", advance.reached);
+            eprintln!(
+                "the run ended at {} by its overload policy",
+                advance.reached
+            );
         }
         let s = simulation.statistics();
         let to_file = self.out.as_os_str() != "-";
@@ -86,7 +91,11 @@ impl Run {
         } else if to_file {
             println!(
                 "{}: {} steps ({} rejected), {} events; recorded to {}",
-                self.until, s.steps, s.rejected, s.events, self.out.display()
+                self.until,
+                s.steps,
+                s.rejected,
+                s.events,
+                self.out.display()
             );
         }
         Ok(())
@@ -96,7 +105,12 @@ impl Run {
     fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
         let netlist = &ordered.netlist;
         if self.record.is_empty() {
-            let blocks = netlist.blocks.iter().filter(|b| matches!(b.kind, crate::net::Kind::Integrator { .. } | crate::net::Kind::Lag { .. }));
+            let blocks = netlist.blocks.iter().filter(|b| {
+                matches!(
+                    b.kind,
+                    crate::net::Kind::Integrator { .. } | crate::net::Kind::Lag { .. }
+                )
+            });
             return Ok(blocks.map(|b| (b.name.clone(), b.outputs[0])).collect());
         }
         let find = |name: &String| {
@@ -128,7 +142,11 @@ struct Progress {
 
 impl Progress {
     fn new(until: Tick) -> Progress {
-        Progress { bar: std::cell::OnceCell::new(), started: Instant::now(), until_s: until.secs() }
+        Progress {
+            bar: std::cell::OnceCell::new(),
+            started: Instant::now(),
+            until_s: until.secs(),
+        }
     }
 
     fn at(&self, time_s: f64) {
@@ -137,7 +155,9 @@ impl Progress {
         }
         let bar = self.bar.get_or_init(|| {
             let bar = ProgressBar::new(1000);
-            if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}% of problem time, {eta} left") {
+            if let Ok(style) =
+                ProgressStyle::with_template("{bar:40} {percent}% of problem time, {eta} left")
+            {
                 bar.set_style(style);
             }
             bar

@@ -40,10 +40,13 @@ impl Serve {
         if !self.joined {
             // Somebody will come from another terminal, whenever that is.
             patience.arrival = None;
-            println!("session `{}` waits; join it by: digital-proc fly --attach {}", self.session, self.session);
+            println!(
+                "session `{}` waits; join it by: digital-proc fly --attach {}",
+                self.session, self.session
+            );
         }
-        let served = ShmAnalog::open(&session, None, &patience)
-            .and_then(|mut port| serve::serve(&mut port));
+        let served =
+            ShmAnalog::open(&session, None, &patience).and_then(|mut port| serve::serve(&mut port));
         served.map_err(|fault| Failure {
             code: match fault {
                 LinkFault::Interrupted { .. } => INTERRUPTED,

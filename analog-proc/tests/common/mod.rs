@@ -1,12 +1,16 @@
 //! Wiring patches in code, for tests and benchmarks of the engine alone.
 
-#![allow(dead_code, clippy::unwrap_used)]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "each user takes what it needs"
+)]
 
-use analog_proc::net::{
-    Block, BlockId, Input, Integration, Kind, Method, Net, NetId, Netlist, Span,
-};
+use analog_proc::net::{Integration, Kind, Level, Method, NetId};
 use analog_proc::order::Ordered;
+use analog_proc::patch::compile;
 use analog_proc::simulation::Simulation;
+use interface::control::PatchBundle;
 
 /// A patch under construction; inputs are `net` or `c * net`.
 #[derive(Clone, Default)]
@@ -16,7 +20,13 @@ pub struct Patch {
 }
 
 pub fn integrator(ic: f64) -> Kind {
-    Kind::Integrator { ic, limits: None, operate: None, reset: None, reset_to: None }
+    Kind::Integrator {
+        ic,
+        limits: None,
+        operate: None,
+        reset: None,
+        reset_to: None,
+    }
 }
 
 impl Patch {
@@ -45,61 +55,124 @@ impl Patch {
         self.blocks.iter_mut().find(|b| b.0 == name).unwrap().3 = Some(max);
     }
 
-    pub fn ordered(&self) -> Ordered {
-        let input = |text: &str| {
-            let mut parts: Vec<&str> = text.split('*').map(str::trim).collect();
-            let name = parts.pop().unwrap();
-            let (sign, name) = name.strip_prefix('-').map_or((1.0, name), |n| (-1.0, n));
-            let product: f64 = parts.iter().map(|p| p.parse::<f64>().unwrap()).product();
-            Input { net: self.id(name), coefficient: sign * product, span: Span::default() }
+    fn name(&self, net: NetId) -> &str {
+        &self.blocks[net.index()].0
+    }
+
+    /// The line of a block in the patch language. Numbers that the language refuses are
+    /// stood in for; [`Patch::ordered`] then puts the true ones in their place.
+    fn line(&self, name: &str, kind: &Kind, inputs: &[String]) -> String {
+        let number = |x: f64| format!("{:?}", if x.is_finite() { x } else { 1.0 });
+        let pair = |p: [f64; 2]| format!("[{}, {}]", number(p[0]), number(p[1]));
+        let level = |l: &Level| match l {
+            Level::Fixed(x) => number(*x),
+            Level::Net(net) => format!("\"{}\"", self.name(*net)),
         };
-        let blocks: Vec<Block> = self
-            .blocks
-            .iter()
-            .enumerate()
-            .map(|(i, (name, kind, inputs, max))| Block {
-                name: name.clone(),
-                span: Span::default(),
-                kind: kind.clone(),
-                inputs: inputs.iter().map(|t| input(t)).collect(),
-                outputs: vec![NetId(i as u32)],
-                max: *max,
-            })
-            .collect();
-        let nets = self
-            .blocks
-            .iter()
-            .enumerate()
-            .map(|(i, b)| Net { name: b.0.clone(), driver: BlockId(i as u32) })
-            .collect();
-        let mut order: Vec<BlockId> = Vec::new();
-        let mut placed = vec![false; blocks.len()];
-        for (i, block) in blocks.iter().enumerate() {
-            if block.kind.is_store() {
-                placed[i] = true;
-                order.push(BlockId(i as u32));
-            }
-        }
-        while order.len() < blocks.len() {
-            let before = order.len();
-            for (i, block) in blocks.iter().enumerate() {
-                let reads = block.inputs.iter().map(|x| x.net).chain(block.kind.side_nets());
-                if !placed[i] && reads.into_iter().all(|n| placed[n.index()]) {
-                    placed[i] = true;
-                    order.push(BlockId(i as u32));
+        let fields = match kind {
+            Kind::Integrator {
+                ic,
+                limits,
+                operate,
+                reset,
+                reset_to,
+            } => {
+                let mut text = format!("kind = \"integrator\", ic = {}", number(*ic));
+                if let Some(limits) = limits {
+                    text += &format!(", limits = {}", pair(*limits));
                 }
+                if let Some(net) = operate {
+                    text += &format!(", operate = \"{}\"", self.name(*net));
+                }
+                if let Some(net) = reset {
+                    text += &format!(", reset = \"{}\"", self.name(*net));
+                }
+                if let Some(to) = reset_to {
+                    text += &format!(
+                        ", reset-to = \"{} * {}\"",
+                        to.coefficient,
+                        self.name(to.net)
+                    );
+                }
+                text
             }
-            assert!(order.len() > before, "algebraic loop in a test patch");
-        }
-        let netlist = Netlist {
-            title: String::new(),
-            blocks,
-            nets,
-            integration: self.integration,
-            expected: Vec::new(),
-            params: Vec::new(),
+            Kind::Summer => "kind = \"summer\"".into(),
+            Kind::Multiplier => "kind = \"multiplier\"".into(),
+            Kind::Square => "kind = \"square\"".into(),
+            Kind::SquareRoot => "kind = \"square-root\"".into(),
+            Kind::Divider => "kind = \"divider\"".into(),
+            Kind::Not => "kind = \"not\"".into(),
+            Kind::Time => "kind = \"time\"".into(),
+            Kind::Constant { value } => format!("kind = \"constant\", value = {}", number(*value)),
+            Kind::Dac { channel, .. } => format!("kind = \"dac\", channel = {channel}"),
+            Kind::Control { line, .. } => format!("kind = \"control\", line = {line}"),
+            Kind::Interrupt { line } => format!("kind = \"interrupt\", line = {line}"),
+            Kind::Sense { line } => format!("kind = \"sense\", line = {line}"),
+            Kind::Comparator { .. } => "kind = \"comparator\"".into(),
+            Kind::FlipFlop { .. } => "kind = \"flip-flop\"".into(),
+            Kind::Counter { modulo } => format!("kind = \"counter\", modulo = {modulo}"),
+            Kind::OneShot { width_s } => {
+                format!("kind = \"one-shot\", width = {}", number(*width_s))
+            }
+            Kind::Relay {
+                points, outputs, ..
+            } => {
+                format!(
+                    "kind = \"relay\", points = {}, outputs = {}",
+                    pair(*points),
+                    pair(*outputs)
+                )
+            }
+            Kind::DeadZone { width } => format!("kind = \"dead-zone\", width = {}", level(width)),
+            Kind::Limiter { low, high } => {
+                format!(
+                    "kind = \"limiter\", limits = [{}, {}]",
+                    level(low),
+                    level(high)
+                )
+            }
+            Kind::DryFriction { level, .. } => {
+                format!("kind = \"dry-friction\", level = {}", number(*level))
+            }
+            Kind::TransportDelay { delay, .. } => {
+                format!("kind = \"transport-delay\", delay = {}", number(*delay))
+            }
+            Kind::Generator { .. } => "kind = \"signal-generator\", wave = \"sine\"".into(),
+            Kind::Switch { control } => {
+                format!("kind = \"switch\", control = \"{}\"", self.name(*control))
+            }
+            other => panic!("no text for {other:?}"),
         };
-        Ordered { netlist, order }
+        let inputs: Vec<String> = inputs.iter().map(|i| format!("\"{i}\"")).collect();
+        let wired = if inputs.is_empty() {
+            String::new()
+        } else {
+            format!(", in = [{}]", inputs.join(", "))
+        };
+        format!("{name} = {{ {fields}{wired} }}\n")
+    }
+
+    /// Compiles the patch.
+    pub fn ordered(&self) -> Ordered {
+        let mut text = String::from("[blocks]\n");
+        for (name, kind, inputs, _) in &self.blocks {
+            text += &self.line(name, kind, inputs);
+        }
+        let files = vec![("test.toml".to_string(), text)];
+        let bundle = PatchBundle {
+            root: "test.toml".to_string(),
+            files,
+        };
+        let mut ordered = match compile(&bundle, &[]) {
+            Ok(ordered) => ordered,
+            Err(faults) => panic!("{}", faults.render()),
+        };
+        ordered.netlist.integration = self.integration;
+        for (i, (name, kind, _, max)) in self.blocks.iter().enumerate() {
+            assert_eq!(ordered.netlist.nets[i].name, *name);
+            ordered.netlist.blocks[i].kind = kind.clone();
+            ordered.netlist.blocks[i].max = *max;
+        }
+        ordered
     }
 
     pub fn simulation(&self) -> Simulation {
