@@ -1,0 +1,3 @@
+//! The studies of the paper's section 4.
+
+pub mod short_period;
