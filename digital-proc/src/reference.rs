@@ -193,7 +193,7 @@ fn steps_to_burn_out(vehicle: &Vehicle, steps_per_second: u32) -> Result<u64, Fl
         });
     }
     let steps = vehicle.data().mass.burn_time_s * f64::from(steps_per_second);
-    if steps < 1.0 || steps > 1e9 {
+    if !(1.0..=2e7).contains(&steps) {
         return Err(FlightError::BadSetting {
             what: "the number of steps to burn-out",
             value: steps,

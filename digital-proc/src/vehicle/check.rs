@@ -4,6 +4,8 @@
 //! where a physical quantity must be, tables of equal lengths with increasing
 //! abscissae, and the sums that must close. Every fault is collected.
 
+use std::cell::OnceCell;
+
 use super::data::{ScheduleData, VehicleData};
 use super::fault::{Places, VehicleFault};
 use crate::table::{TableError, first_abscissa_fault};
@@ -38,7 +40,9 @@ impl Must {
 /// Collects faults with their places.
 struct Checker<'t> {
     file: &'t str,
-    places: Option<Places<'t>>,
+    text: Option<&'t str>,
+    /// Parsed only when there is something to report.
+    places: OnceCell<Places<'t>>,
     faults: Vec<VehicleFault>,
 }
 
@@ -54,10 +58,10 @@ impl Checker<'_> {
         let element = index.map_or_else(String::new, |i| format!("[{i}]"));
         self.faults.push(VehicleFault {
             file: self.file.to_owned(),
-            place: self
-                .places
-                .as_ref()
-                .and_then(|places| places.find(section, key, index)),
+            place: self.text.and_then(|text| {
+                let places = self.places.get_or_init(|| Places::of(text));
+                places.find(section, key, index)
+            }),
             key: format!("{section}.{key}{element}"),
             fault,
             remedy: remedy.to_owned(),
@@ -126,30 +130,15 @@ impl Checker<'_> {
 pub(crate) fn faults(file: &str, text: Option<&str>, data: &VehicleData) -> Vec<VehicleFault> {
     let mut check = Checker {
         file,
-        places: None,
+        text,
+        places: OnceCell::new(),
         faults: Vec::new(),
     };
     scalars(&mut check, data);
     tables(&mut check, data);
     schedules(&mut check, data);
     sums(&mut check, data);
-    let mut faults = check.faults;
-    if !faults.is_empty()
-        && let Some(text) = text
-    {
-        // Spans are looked up only when there is something to report.
-        let mut located = Checker {
-            file,
-            places: Some(Places::of(text)),
-            faults: Vec::new(),
-        };
-        scalars(&mut located, data);
-        tables(&mut located, data);
-        schedules(&mut located, data);
-        sums(&mut located, data);
-        faults = located.faults;
-    }
-    faults
+    check.faults
 }
 
 fn scalars(check: &mut Checker<'_>, d: &VehicleData) {
