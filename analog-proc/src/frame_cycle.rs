@@ -64,16 +64,16 @@ pub fn run(
             return cycle.finish(samples, over);
         }
         cycle.stamp(&mut samples);
-        cycle.port.send_samples(&samples)?;
-        // A transfer at the very instant of the last sample comes after it.
+        // A transfer at the very instant of the last sample comes after it: the
+        // sample is taken, and told once the updates before it have come.
         cycle.transfer_before(cycle.clock + Tick(1))?;
-        cycle.pending = Some((frame, at + spec.latency));
-        if spec.latency == cycle.clock - at {
-            cycle.transfer_before(cycle.clock + Tick(1))?;
-        } else {
-            // Look-ahead: the array integrates while the digital side computes.
-            cycle.advance((at + spec.latency).min(spec.stop));
+        if let Some(over) = cycle.over.take() {
+            return cycle.finish(samples, over);
         }
+        cycle.port.send_samples(&samples)?;
+        cycle.pending = Some((frame, at + spec.latency));
+        // Look-ahead: the array integrates while the digital side computes.
+        cycle.advance((at + spec.latency).min(spec.stop));
     }
     unreachable!("frames are counted in u64")
 }

@@ -19,7 +19,6 @@ use interface::{
     frame::{ModeCommand, RunState, Samples, Updates},
     link::{AnalogPort, LinkFault},
     profile::Profile,
-    protocol,
 };
 
 /// Serves one session until the digital side says goodbye or is gone.
@@ -68,12 +67,12 @@ struct Server {
 impl Server {
     fn answer(&mut self, request: Request) -> Result<Reply, String> {
         match request {
-            Request::Hello { version, layout_hash } => greet(version, layout_hash),
+            Request::Hello { .. } => Err("the two sides have greeted each other already".into()),
             Request::Load { bundle, params, profile } => {
                 self.loaded = None;
                 let loaded = Loaded::new(bundle, params, Vec::new(), profile)?;
                 let reply = Reply::Loaded {
-                    patch_hash: patch::hash(&loaded.bundle),
+                    patch_hash: loaded.bundle.hash(),
                     channels: loaded.channels.describe(&loaded.ordered.netlist),
                 };
                 self.loaded = Some(loaded);
@@ -168,17 +167,6 @@ impl Server {
             return Err(format!("stop time {stop} is negative"));
         }
         Ok(())
-    }
-}
-
-fn greet(version: u32, layout_hash: u64) -> Result<Reply, String> {
-    let (own_version, own_layout) = (protocol::VERSION, protocol::layout_hash());
-    if (version, layout_hash) == (own_version, own_layout) {
-        Ok(Reply::Hello { version, layout_hash })
-    } else {
-        Err(format!(
-            "version mismatch: digital-proc speaks protocol {version} (layout {layout_hash:016x}), analog-proc {own_version} (layout {own_layout:016x}); start both from one build"
-        ))
     }
 }
 

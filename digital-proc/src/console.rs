@@ -10,7 +10,6 @@ use interface::{
     frame::{RunState, Samples, Updates},
     link::{DigitalPort, LinkFault},
     profile::Profile,
-    protocol,
 };
 
 /// Why a session could not go on.
@@ -65,21 +64,10 @@ pub struct Console<'p> {
 }
 
 impl<'p> Console<'p> {
-    /// Shakes hands over `port`.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when the partner is gone or of another build.
-    pub fn open(port: &'p mut dyn DigitalPort) -> Result<Console<'p>, ConsoleFault> {
-        let (version, layout_hash) = (protocol::VERSION, protocol::layout_hash());
-        match request(port, &Request::Hello { version, layout_hash })? {
-            Reply::Hello { version: v, layout_hash: l } if (v, l) == (version, layout_hash) => {
-                Ok(Console { port, channels: Vec::new(), patch_hash: String::new() })
-            }
-            Reply::Hello { version: v, layout_hash: l } => Err(ConsoleFault::Refused(format!(
-                "the analog side speaks protocol {v} (layout {l:016x}), this side {version} (layout {layout_hash:016x}); start both from one build"
-            ))),
-            _ => Err(ConsoleFault::WrongReply { request: "the handshake" }),
-        }
+    /// Over a port whose two ends have greeted each other.
+    #[must_use]
+    pub fn new(port: &'p mut dyn DigitalPort) -> Console<'p> {
+        Console { port, channels: Vec::new(), patch_hash: String::new() }
     }
 
     /// Uploads a patch; the machine goes to IC.

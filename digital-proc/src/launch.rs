@@ -103,12 +103,12 @@ impl Started {
                     .spawn()
                     .map_err(LaunchFault::Spawn)?;
                 let guard = Guard { child, session: session.clone() };
-                let port = ShmDigital::open(&session, &patience, Some(guard.child.id()))?;
+                let port = ShmDigital::open(&session, Some(guard.child.id()), &patience)?;
                 Ok(Started { port: Box::new(port), partner: Partner::Process(guard) })
             }
             LinkChoice::Attach(name) => {
                 let session = Session::join(Side::Digital, name)?;
-                let port = ShmDigital::open(&session, &patience, None)?;
+                let port = ShmDigital::open(&session, None, &patience)?;
                 Ok(Started { port: Box::new(port), partner: Partner::Foreign(session) })
             }
         }

@@ -9,7 +9,7 @@ use crate::{
     flight_summary::FlightSummary,
     progress::Progress,
     reference::FlightCase,
-    report::flight_report,
+    report::{FlightContext, Summary, flight_report},
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
     vehicle::Vehicle,
     wind::{Wind, WindDirection},
@@ -111,7 +111,7 @@ impl Fly {
         let plan = self.plan(&vehicle)?;
         let started = UtcSecond::from_system(SystemTime::now());
         let mut machine = self.machine.start(context)?;
-        let mut console = Console::open(machine.port())?;
+        let mut console = Console::new(machine.port());
 
         let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode.name()), started)
             .map_err(Failure::input)?;
@@ -140,19 +140,36 @@ impl Fly {
         console.bye()?;
         drop(machine);
 
-        directory.write_summary(&summary_json(&plan, &vehicle, &summary)).map_err(Failure::input)?;
-        let html = flight_report::render(&vehicle, &record, &summary, &samples);
+        let trace = directory.read_trace().map_err(Failure::input)?;
+        let results = results(&vehicle, &summary);
+        directory.write_summary(&results.json()).map_err(Failure::input)?;
+        let context = self.report_context(&vehicle);
+        let html = flight_report(&context, &results, &trace, &record).map_err(Failure::input)?;
         let report = directory.write_report(&html).map_err(Failure::input)?;
         if self.machine.json {
-            println!("{:#}", summary_json(&plan, &vehicle, &summary));
+            println!("{:#}", results.json());
         } else {
-            println!("{}", flight_report::screen(self.mode, &vehicle, &summary));
+            println!("{}", context.title);
+            println!("{}", results.text());
             for o in &overloads {
                 println!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value);
+            }
+            for (table, edge) in summary.edges.iter() {
+                println!("table edge: {} {edge:?}; its end value was held", table.label());
             }
             println!("report: {}", report.display());
         }
         Ok(())
+    }
+
+    fn report_context(&self, vehicle: &Vehicle) -> FlightContext {
+        let case = if self.design_case { "; wind and misalignments of the design case" } else { "" };
+        FlightContext {
+            title: format!("First-stage flight, mode {}{case}", self.mode.name()),
+            lead: "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.".into(),
+            q_alpha_limit_pa_rad: Some(vehicle.data().limits.q_alpha_padeg.to_radians()),
+            marks: Vec::new(),
+        }
     }
 
     fn plan(&self, vehicle: &Vehicle) -> Result<FlightPlan, Failure> {
@@ -266,32 +283,34 @@ impl From<FlightFault> for Failure {
     }
 }
 
-/// The summary for machines, SI units and degrees in the names.
-fn summary_json(plan: &FlightPlan, vehicle: &Vehicle, s: &FlightSummary) -> serde_json::Value {
-    serde_json::json!({
-        "mode": plan.case.mode.name(),
-        "max-q": {
-            "pa": s.max_dynamic_pressure.value,
-            "time-s": s.max_dynamic_pressure.time_s,
-            "mach": s.max_dynamic_pressure.mach,
-            "altitude-m": s.max_dynamic_pressure.altitude_m,
-        },
-        "burn-out": {
-            "time-s": s.end_time_s,
-            "velocity-mps": s.end.speed_mps,
-            "flight-path-angle-deg": s.end.path_angle_rad.to_degrees(),
-            "altitude-m": s.end.altitude_m,
-            "range-m": s.range_m,
-        },
-        "max-q-alpha": {
-            "pa-deg": s.max_q_alpha.value,
-            "time-s": s.max_q_alpha.time_s,
-            "limit-pa-deg": vehicle.data().limits.q_alpha_padeg,
-        },
-        "max-roll-deg": s.max_roll_rad.to_degrees(),
-        "tvc-impulse-pitch-ns": s.tvc_pitch_impulse_ns,
-        "tvc-impulse-yaw-ns": s.tvc_yaw_impulse_ns,
-        "injectant-kg": s.injectant_kg,
-        "table-edges": s.edges.iter().map(|(t, e)| format!("{} {e:?}", t.label())).collect::<Vec<_>>(),
-    })
+/// The one-screen results of a flight.
+fn results(vehicle: &Vehicle, s: &FlightSummary) -> Summary {
+    let mut results = Summary::new();
+    let mut add = |key: &str, label: &str, value: f64, digits: usize, unit: &str, note: String| {
+        results.add(key, label, value, digits, unit, note);
+    };
+    let q = &s.max_dynamic_pressure;
+    let at = format!("at {:.1} s, Mach {:.2}, {:.2} km", q.time_s, q.mach, q.altitude_m / 1e3);
+    add("max_q_pa", "Maximum dynamic pressure", q.value, 5, "Pa", at);
+    add("max_q_time_s", "  its time", q.time_s, 4, "s", String::new());
+    add("max_q_mach", "  its Mach number", q.mach, 4, "", String::new());
+    add("max_q_altitude_m", "  its altitude", q.altitude_m, 5, "m", String::new());
+    let end = format!("at {:.2} s", s.end_time_s);
+    add("burn_out_velocity_m_s", "Burn-out velocity", s.end.speed_mps, 6, "m/s", end);
+    let gamma = s.end.path_angle_rad.to_degrees();
+    add("burn_out_flight_path_angle_deg", "Burn-out flight-path angle", gamma, 5, "deg", String::new());
+    add("burn_out_altitude_m", "Burn-out altitude", s.end.altitude_m, 6, "m", String::new());
+    add("burn_out_range_m", "Burn-out range", s.range_m, 6, "m", String::new());
+    let limit = vehicle.data().limits.q_alpha_padeg;
+    let margin = format!(
+        "at {:.1} s; {:.0} % of the limit {limit:.4e}",
+        s.max_q_alpha.time_s,
+        100.0 * s.max_q_alpha.value / limit
+    );
+    add("max_q_alpha_pa_deg", "Maximum Q alpha", s.max_q_alpha.value, 5, "Pa deg", margin);
+    add("max_roll_deg", "Maximum roll", s.max_roll_rad.to_degrees(), 4, "deg", String::new());
+    add("tvc_impulse_pitch_n_s", "TVC impulse, pitch", s.tvc_pitch_impulse_ns, 5, "N s", String::new());
+    add("tvc_impulse_yaw_n_s", "TVC impulse, yaw", s.tvc_yaw_impulse_ns, 5, "N s", String::new());
+    add("injectant_kg", "Injectant used", s.injectant_kg, 4, "kg", String::new());
+    results
 }
