@@ -11,7 +11,9 @@
 pub mod claims;
 pub mod coefficients;
 pub mod linear;
+pub mod measure;
 pub mod metrics;
+pub mod plan;
 pub mod point;
 pub mod quantity;
 pub mod reference;

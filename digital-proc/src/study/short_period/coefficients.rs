@@ -304,3 +304,112 @@ impl YawRollSettings {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::{BTreeMap, BTreeSet};
+
+    use super::*;
+    use crate::study::short_period::point::tests::numbered;
+    use crate::study::short_period::response::{PITCH_CHANNELS, YAW_ROLL_CHANNELS};
+
+    const PITCH: &str = include_str!("../../../../patch-files/pitch-loop.toml");
+    const YAW_ROLL: &str = include_str!("../../../../patch-files/yaw-roll-loop.toml");
+    const PLANE: &str = include_str!("../../../../patch-files/sub/stage-plane.toml");
+
+    const INITIAL: YawRollInitial = YawRollInitial {
+        yaw_rad: 0.04,
+        yaw_rate_radps: 0.01,
+        roll_rad: 0.35,
+        roll_rate_radps: 0.02,
+    };
+
+    /// Kind and channel (or line) of every block, the plane's under its prefix.
+    fn blocks(text: &str) -> BTreeMap<String, (String, Option<i64>)> {
+        let mut all = BTreeMap::new();
+        for (text, prefix) in [(text, ""), (PLANE, "plane.")] {
+            let table: toml::Table = toml::from_str(text).unwrap();
+            for (name, block) in table["blocks"].as_table().unwrap() {
+                let number = block.get("channel").or(block.get("line"));
+                all.insert(
+                    format!("{prefix}{name}"),
+                    (
+                        block["kind"].as_str().unwrap().to_owned(),
+                        number.and_then(toml::Value::as_integer),
+                    ),
+                );
+            }
+        }
+        all
+    }
+
+    fn assert_settings_match(patch: &str, settings: &[(&'static str, f64)]) {
+        let blocks = blocks(patch);
+        let wanted: BTreeSet<&str> = blocks
+            .iter()
+            .filter(|(_, (kind, _))| matches!(kind.as_str(), "dcu" | "dac" | "control"))
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let set: BTreeSet<&str> = settings.iter().map(|(name, _)| *name).collect();
+        assert_eq!(wanted, set);
+        assert_eq!(set.len(), settings.len(), "a block is set twice");
+        for kind in ["dcu", "dac", "adc"] {
+            let mut channels: Vec<_> = blocks
+                .values()
+                .filter(|(k, _)| k == kind)
+                .map(|(_, number)| number.unwrap())
+                .collect();
+            channels.sort_unstable();
+            let expected: Vec<_> = (0..channels.len() as i64).collect();
+            assert_eq!(channels, expected, "{kind} channels");
+        }
+    }
+
+    fn assert_channels_match(patch: &str, channels: &[&str]) {
+        let blocks = blocks(patch);
+        for (number, name) in channels.iter().enumerate() {
+            let expected = ("adc".to_owned(), Some(number as i64));
+            assert_eq!(blocks.get(*name), Some(&expected), "{name}");
+        }
+    }
+
+    #[test]
+    fn every_coefficient_of_the_patches_is_set_once() {
+        let point = numbered();
+        let pitch = PitchSettings::new(&point, &Disturbance::NONE, 0.035);
+        assert_settings_match(PITCH, &pitch.settings());
+        assert_channels_match(PITCH, &PITCH_CHANNELS);
+        let yaw_roll = YawRollSettings::new(&point, &Disturbance::NONE, INITIAL, true);
+        assert_settings_match(YAW_ROLL, &yaw_roll.settings());
+        assert_channels_match(YAW_ROLL, &YAW_ROLL_CHANNELS);
+        let blocks = blocks(YAW_ROLL);
+        for (name, _) in yaw_roll.initial_conditions() {
+            assert_eq!(blocks[name].0, "integrator", "{name}");
+        }
+    }
+
+    #[test]
+    fn dedicated_allocation_opens_the_dead_zone_and_changes_the_lead() {
+        let point = numbered();
+        let plane =
+            |dedicated| YawRollSettings::new(&point, &Disturbance::NONE, INITIAL, dedicated).plane;
+        let (shared, alone) = (plane(false), plane(true));
+        assert_eq!(alone.dead_zone, 0.0);
+        assert_eq!(alone.tvc_gain, 0.9 * shared.tvc_gain);
+        assert_eq!(alone.tvc_lead, 0.55);
+        assert_eq!(alone.aero_moment, shared.aero_moment);
+    }
+
+    #[test]
+    fn the_gust_is_seen_normal_to_the_path() {
+        let point = numbered();
+        let gust = Disturbance {
+            misalignment: 0.0,
+            gust: 0.5,
+            cant: 0.0,
+        };
+        let plane = Plane::new(&point, &gust);
+        assert_eq!(plane.gust, 0.5 * 12.0 * 1.2_f64.sin() / 655.0);
+        assert_eq!(plane.misalignment, 0.0);
+    }
+}

@@ -143,6 +143,38 @@ pub fn roll_matrix(settings: &YawRollSettings) -> SMatrix<f64, 5, 5> {
     a
 }
 
+/// Attitude and bending coordinate (rad, m) after a step command from rest, both channels
+/// staying in the range that `gains` describes: x(t) = ∫₀ᵗ exp(A s) b ds by the
+/// exponential of the matrix with its input appended, exact at every sample.
+#[must_use]
+pub fn step_response(
+    plane: &Plane,
+    gains: ChannelGains,
+    command_rad: f64,
+    sample_s: f64,
+    samples: usize,
+) -> Vec<[f64; 2]> {
+    const THETA: usize = 1;
+    const TVC: usize = 4;
+    const ETA: usize = 7;
+    const FILTERED: usize = 9;
+    let mut augmented = SMatrix::<f64, 11, 11>::zeros();
+    augmented
+        .fixed_view_mut::<10, 10>(0, 0)
+        .copy_from(&plane_matrix(plane, gains));
+    augmented[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
+    augmented[(FILTERED, 10)] = plane.filter_pole;
+    let advance = (augmented * sample_s).exp();
+    let mut state = nalgebra::SVector::<f64, 11>::zeros();
+    state[10] = command_rad;
+    let mut response = vec![[0.0; 2]];
+    for _ in 0..samples {
+        state = advance * state;
+        response.push([state[THETA], state[ETA]]);
+    }
+    response
+}
+
 /// Eigenvalues, by increasing natural frequency, the positive imaginary part of a pair
 /// first. Empty if the matrix has a non-finite entry or the QR iteration gives up.
 #[must_use]
@@ -202,5 +234,186 @@ pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
             off(a).total_cmp(&off(b))
         }),
         rightmost: all.iter().copied().max_by(|a, b| a.real.total_cmp(&b.real)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::slice;
+    use crate::study::short_period::coefficients::{Disturbance, PitchSettings, YawRollInitial};
+    use crate::study::short_period::metrics::{Window, oscillation};
+    use crate::study::short_period::point::FrozenPoint;
+    use crate::study::short_period::reference::{self, Grid};
+    use crate::vehicle::Vehicle;
+
+    fn frozen(times_s: &[f64]) -> Vec<FrozenPoint> {
+        let vehicle = Vehicle::shipped().unwrap();
+        let wanted: Vec<(&str, f64)> = times_s.iter().map(|&t| ("", t)).collect();
+        slice::points(&vehicle, &wanted)
+            .unwrap()
+            .iter()
+            .map(|s| FrozenPoint::new(&vehicle, s, &s.settings.gains))
+            .collect()
+    }
+
+    fn plane(point: &FrozenPoint) -> Plane {
+        Plane::new(point, &Disturbance::NONE)
+    }
+
+    /// Figures of an independent prototype, each to half a unit of its last digit.
+    #[test]
+    fn thrust_vector_roots_are_those_of_the_independent_prototype() {
+        let points = frozen(&[2.0, 20.0, 32.5, 40.0]);
+        for (point, frequency, damping) in [(&points[1], 2.91, 0.084), (&points[2], 3.15, 0.085)] {
+            let root = plane_roots(&plane(point), ChannelGains::TVC_ONLY)
+                .attitude
+                .unwrap();
+            assert!(
+                (root.frequency_radps() - frequency).abs() <= 0.005,
+                "{root:?}"
+            );
+            assert!((root.damping() - damping).abs() <= 0.0005, "{root:?}");
+        }
+        // The pole slowed to 1 rad/s.
+        for (point, damping) in [
+            (&points[0], -0.05),
+            (&points[1], -0.27),
+            (&points[2], -0.33),
+        ] {
+            let slow = FrozenPoint {
+                tvc_time_constant_s: 1.0,
+                ..*point
+            };
+            let root = plane_roots(&plane(&slow), ChannelGains::TVC_ONLY)
+                .attitude
+                .unwrap();
+            assert!((root.damping() - damping).abs() <= 0.005, "{root:?}");
+        }
+        // The time constant shortened to 0.005 s lets the bending mode grow.
+        for (point, damping) in [(&points[0], -0.025), (&points[3], -0.001)] {
+            let fast = FrozenPoint {
+                tvc_time_constant_s: 0.005,
+                ..*point
+            };
+            let root = plane_roots(&plane(&fast), ChannelGains::TVC_ONLY)
+                .bending
+                .unwrap();
+            assert!((root.damping() - damping).abs() <= 0.0005, "{root:?}");
+        }
+        // Both channels at 20 s without TVC: the loop that sampling is measured on.
+        let root = plane_roots(&plane(&points[1]), ChannelGains::FTC_ONLY)
+            .attitude
+            .unwrap();
+        assert!((root.damping() - 0.872).abs() <= 0.0005, "{root:?}");
+    }
+
+    /// In its linear range the reference must follow the matrix exponential, which
+    /// shares no integration with it.
+    #[test]
+    fn reference_and_matrix_exponential_agree_in_the_linear_range() {
+        let grid = Grid {
+            samples: 300,
+            sample_s: 0.02,
+            steps: 20,
+        };
+        let points = frozen(&[7.5, 20.0]);
+        let cases = [
+            // Thrust vector alone, no dead zone: 4.5 kN/deg · 2° stays below 15 kN.
+            (&points[0], ChannelGains::TVC_ONLY, 2.0_f64.to_radians()),
+            // Tips alone: 0.1° stays inside the dead zone, 0.8° of tip inside its travel.
+            (&points[1], ChannelGains::FTC_ONLY, 0.1_f64.to_radians()),
+        ];
+        for (point, gains, command) in cases {
+            let settings = PitchSettings::new(point, &Disturbance::NONE, command);
+            let run = reference::pitch(&settings, &grid);
+            let exact = step_response(&settings.plane, gains, command, 0.02, 300);
+            for (i, row) in exact.iter().enumerate() {
+                // RK4 at 1 ms: (100 rad/s · 1 ms)⁵/120 a step on the gyro's fast motion,
+                // which dies out in 0.1 s: below 1e-7 · 100 steps of the step.
+                let bound = 1e-5 * command;
+                assert!(
+                    (run.theta_rad()[i] - row[0]).abs() < bound,
+                    "θ at sample {i}"
+                );
+                assert!((run.eta_m()[i] - row[1]).abs() < bound, "η at sample {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn measured_bending_decay_is_that_of_the_eigenvalue() {
+        let grid = Grid {
+            samples: 1200,
+            sample_s: 0.01,
+            steps: 10,
+        };
+        let points = frozen(&[7.5, 20.0]);
+        for (point, gains) in [
+            (&points[0], ChannelGains::TVC_ONLY),
+            // After the transient the error is inside the dead zone.
+            (&points[1], ChannelGains::FTC_ONLY),
+        ] {
+            let settings = PitchSettings::new(point, &Disturbance::NONE, 2.0_f64.to_radians());
+            let run = reference::pitch(&settings, &grid);
+            let period = std::f64::consts::TAU / point.bending_frequency_radps;
+            let window = Window {
+                from_s: 4.0,
+                to_s: 9.0,
+            };
+            let found = oscillation(run.eta_m(), 0.01, period, window).unwrap();
+            let root = plane_roots(&settings.plane, gains).bending.unwrap();
+            // What the estimator is good for (see its own test).
+            assert!(
+                (found.frequency_radps / root.frequency_radps() - 1.0).abs() < 2e-3,
+                "{found:?} {root:?}"
+            );
+            assert!(
+                (found.damping / root.damping() - 1.0).abs() < 0.03,
+                "{found:?} {root:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn roll_loop_is_stable_and_a_sign_error_would_show() {
+        let point = &frozen(&[32.5])[0];
+        let initial = YawRollInitial {
+            yaw_rad: 0.0,
+            yaw_rate_radps: 0.0,
+            roll_rad: 0.0,
+            roll_rate_radps: 0.0,
+        };
+        let settings = YawRollSettings::new(point, &Disturbance::NONE, initial, false);
+        let rightmost = |s: &YawRollSettings| {
+            roots(&roll_matrix(s))
+                .iter()
+                .map(|r| r.real)
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        assert!(rightmost(&settings) < -0.5);
+        let reversed = YawRollSettings {
+            roll_lead: -settings.roll_lead,
+            ..settings
+        };
+        assert!(rightmost(&reversed) > 0.0);
+    }
+
+    #[test]
+    fn dead_zone_gain_rises_from_nothing_to_one() {
+        assert_eq!(dead_zone_gain(1.0, 0.5), 0.0);
+        assert_eq!(dead_zone_gain(1.0, 1.0), 0.0);
+        // ρ = ½: 1 − (2/π)(π/6 + ½·√3/2) = 1 − 1/3 − √3/(2π).
+        let half = 2.0 / 3.0 - 3.0_f64.sqrt() / std::f64::consts::TAU;
+        assert!((dead_zone_gain(1.0, 2.0) - half).abs() < 1e-15);
+        assert!((dead_zone_gain(0.0, 2.0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_non_finite_matrix_has_no_roots() {
+        let mut plane = plane(&frozen(&[20.0])[0]);
+        plane.aero_moment = f64::NAN;
+        assert!(roots(&plane_matrix(&plane, ChannelGains::BOTH)).is_empty());
+        assert_eq!(plane_roots(&plane, ChannelGains::BOTH).attitude, None);
     }
 }

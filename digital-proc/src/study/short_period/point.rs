@@ -4,6 +4,11 @@
 //! coefficients, so that a condition says "rate-gyro slope" or "thrust-vector
 //! time constant" and not "coefficient 18". SI units, radians, seconds.
 
+use crate::airframe::DAMPING_AIRSPEED_FLOOR_MPS;
+use crate::gain_schedule::LoopGains;
+use crate::slice::SlicePoint;
+use crate::vehicle::Vehicle;
+
 /// One trajectory point, frozen, with the loop gains in force there.
 ///
 /// Symbols are those of the paper's eqs. (20)–(25); control moments and
@@ -98,6 +103,62 @@ pub struct FrozenPoint {
     pub gyro_damping: f64,
     /// Pole of the bending filter, rad/s.
     pub filter_pole_radps: f64,
+}
+
+impl FrozenPoint {
+    /// Freezes a point of the nominal flight with the given loop gains.
+    #[must_use]
+    pub fn new(vehicle: &Vehicle, slice: &SlicePoint, gains: &LoopGains) -> FrozenPoint {
+        let data = vehicle.data();
+        let frame = &slice.airframe;
+        let bending = &slice.bending;
+        FrozenPoint {
+            time_s: slice.time_s,
+            mach: frame.mach,
+            q_pa: frame.dynamic_pressure_pa,
+            speed_mps: frame.airspeed_mps.max(DAMPING_AIRSPEED_FLOOR_MPS),
+            gamma_rad: slice.trajectory.path_angle_rad,
+            mass_kg: frame.mass_kg,
+            inertia_kgm2: frame.pitch_inertia_kgm2,
+            roll_inertia_kgm2: frame.roll_inertia_kgm2,
+            thrust_n: frame.thrust_n,
+            axial_force_n: frame.axial_force_n,
+            normal_force_slope_nprad: frame.normal_force_slope_nprad,
+            moment_slope_nmprad: frame.moment_slope_nmprad,
+            pitch_damping_nms: frame.rate_damping_nms,
+            tip_force_slope_nprad: frame.tip_pair_force_slope_nprad,
+            tip_arm_m: frame.tip_arm_m,
+            tvc_arm_m: frame.tvc_arm_m,
+            tip_roll_arm_m: data.geometry.tip_y_m,
+            roll_damping_nms: frame.roll_damping_nms,
+            cant_moment_nm: frame.fin_cant_moment_nm,
+            misalignment_moment_nm: frame.misalignment_moment_nm,
+            gust_mps: data.disturbance.gust_step_mps,
+            ftc_time_constant_s: data.ftc.time_constant_s,
+            tip_travel_rad: data.ftc.delta_max_deg.to_radians(),
+            tip_rate_radps: data.ftc.rate_max_dps.to_radians(),
+            tvc_time_constant_s: data.tvc.time_constant_s,
+            tvc_limit_n: data.tvc.force_max_n,
+            ftc_gain: gains.ftc_gain,
+            ftc_lead_s: gains.ftc_lead_s,
+            tvc_gain_nprad: gains.tvc_gain_nprad,
+            tvc_lead_s: gains.tvc_lead_s,
+            dead_zone_rad: gains.dead_zone_rad,
+            roll_gain: slice.settings.roll_gain,
+            roll_lead_s: slice.settings.roll_lead_s,
+            dedicated_gain_factor: data.gains.decoupled_yaw_gain_factor,
+            dedicated_lead_s: data.gains.decoupled_yaw_lead_s,
+            bending_frequency_radps: bending.natural_frequency_radps,
+            bending_damping: bending.damping_ratio,
+            bending_mass_kg: bending.generalised_mass_kg,
+            bending_displacement: bending.displacement_at_control,
+            gyro_slope_pm: bending.gyro_slope_pm,
+            imu_slope_pm: bending.imu_slope_pm,
+            gyro_frequency_radps: data.gyro.natural_frequency_radps,
+            gyro_damping: data.gyro.damping_ratio,
+            filter_pole_radps: data.bending.filter_corner_radps,
+        }
+    }
 }
 
 #[cfg(test)]
