@@ -10,7 +10,8 @@
 use crate::{
     channels::Channels,
     fault::RunFault,
-    simulation::{Advance, Simulation},
+    mode::Mode,
+    simulation::Simulation,
 };
 use interface::{
     Tick,
@@ -30,9 +31,8 @@ pub fn run(
     port: &mut dyn AnalogPort,
 ) -> Result<Option<RunFault>, LinkFault> {
     let origin = simulation.now();
-    channels.start_run(spec.frame);
+    channels.set_all(simulation);
     let mut cycle = Cycle {
-        spec,
         simulation,
         channels,
         port,
@@ -43,6 +43,7 @@ pub fn run(
         pending: None,
         over: None,
     };
+    cycle.settle();
     let channels_in_scan = cycle.channels.adc_count();
     for frame in 0_u64.. {
         // Overflow would take 292 years of problem time: such a frame lies beyond any stop.
@@ -85,7 +86,6 @@ enum Over {
 }
 
 struct Cycle<'a> {
-    spec: &'a RunSpec,
     simulation: &'a mut Simulation,
     channels: &'a mut Channels,
     port: &'a mut dyn AnalogPort,
@@ -102,8 +102,27 @@ struct Cycle<'a> {
 }
 
 impl Cycle<'_> {
-    /// Integrates to run time `to`; in HOLD only the clock moves.
+    /// Integrates to run time `to`, stopping where an interpolating hold arrives.
     fn advance(&mut self, to: Tick) {
+        while let Some(at) = self.channels.next_arrival(self.clock).filter(|at| *at <= to) {
+            self.integrate(at);
+            self.channels.arrive(at, self.simulation);
+            self.settle();
+        }
+        self.integrate(to);
+    }
+
+    /// Lets what was set take effect.
+    fn settle(&mut self) {
+        if self.over.is_none()
+            && let Err(fault) = self.simulation.apply()
+        {
+            self.over = Some(Over::Faulted(fault));
+        }
+    }
+
+    /// Integrates to run time `to`; in HOLD only the clock moves.
+    fn integrate(&mut self, to: Tick) {
         if self.over.is_some() || to <= self.clock {
             return;
         }
@@ -113,13 +132,13 @@ impl Cycle<'_> {
             return;
         }
         match self.simulation.advance_to(self.origin + to - self.held) {
-            Ok(Advance::Reached) => {}
-            // The overload policy: problem time stands where the overload was located.
-            Ok(Advance::HeldAt(at)) => {
+            Ok(advance) if advance.stopped_by.is_none() => {}
+            Ok(advance) if self.simulation.mode() == Mode::Hold => {
+                // The overload policy: problem time stands where the overload was located.
                 self.holding = true;
-                self.held = self.held + ((self.origin + to - self.held) - at);
+                self.held = self.held + ((self.origin + to - self.held) - advance.reached);
             }
-            Ok(Advance::StoppedAt(_)) => self.over = Some(Over::Ended),
+            Ok(_) => self.over = Some(Over::Ended),
             Err(fault) => self.over = Some(Over::Faulted(fault)),
         }
         self.clock = to;
@@ -135,10 +154,9 @@ impl Cycle<'_> {
         if self.over.is_some() {
             return Ok(());
         }
-        let now = self.simulation.now().secs();
-        self.channels.transfer(&updates, now, self.simulation);
-        if let Err(fault) = self.simulation.apply() {
-            self.over = Some(Over::Faulted(fault));
+        self.channels.transfer(&updates, due, self.simulation);
+        self.settle();
+        if self.over.is_some() {
             return Ok(());
         }
         match updates.mode_command() {
@@ -155,7 +173,8 @@ impl Cycle<'_> {
         if self.holding {
             samples.state = RunState::Hold as u32;
         }
-        self.channels.stamp(self.simulation, self.held, self.origin, samples);
+        let shift = self.held - self.origin;
+        self.channels.stamp(self.simulation, shift, samples);
     }
 
     /// Tells the digital side that the run is over.

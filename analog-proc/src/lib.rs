@@ -4,5 +4,22 @@
 //! net cannot run: text → net → checked → ordered → machine.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod block;
+pub mod channels;
+pub mod check;
+pub mod cli;
+pub mod fault;
+pub mod frame_cycle;
+mod event;
+mod integrate;
+pub mod machine;
+pub mod mode;
 pub mod net;
+mod operate;
 pub mod order;
+pub mod overload;
+pub mod patch;
+pub mod record;
+pub mod serve;
+pub mod simulation;
+pub mod static_check;

@@ -8,15 +8,16 @@
 
 use crate::{
     channels::Channels,
+    frame_cycle,
     net::{BlockId, NetId},
     order::Ordered,
     patch,
     simulation::Simulation,
+    static_check::static_check,
 };
 use interface::{
     Tick,
-    control::{Clock, Overload, PatchBundle, Reply, Request, RunSpec},
-    frame::{ModeCommand, RunState, Samples, Updates},
+    control::{Overload, PatchBundle, Reply, Request, RunSpec},
     link::{AnalogPort, LinkFault},
     profile::Profile,
 };
@@ -131,9 +132,9 @@ impl Server {
             }
             Request::StaticCheck => {
                 let loaded = self.loaded()?;
-                loaded.reset()?;
-                let expected = loaded.ordered.netlist.expected.clone();
-                Ok(Reply::StaticCheck(loaded.simulation.static_check(&expected)))
+                static_check(&loaded.ordered, &mut loaded.simulation)
+                    .map(Reply::StaticCheck)
+                    .map_err(|f| f.to_string())
             }
             Request::Diagnose => Ok(Reply::Diagnosis {
                 fault: self.fault.clone(),
@@ -141,6 +142,16 @@ impl Server {
             }),
             Request::Operate(_) | Request::Bye => Err("not a request to be answered here".into()),
         }
+    }
+
+    /// Runs one OPERATE period that was admitted.
+    fn run(&mut self, spec: &RunSpec, port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
+        let Some(loaded) = &mut self.loaded else {
+            return Ok(()); // never: `admit` asked for it
+        };
+        let fault = frame_cycle::run(spec, &mut loaded.simulation, &mut loaded.channels, port)?;
+        self.fault = fault.map(|f| f.to_string());
+        Ok(())
     }
 
     fn loaded(&mut self) -> Result<&mut Loaded, String> {
@@ -166,6 +177,10 @@ impl Server {
         if stop < Tick::ZERO {
             return Err(format!("stop time {stop} is negative"));
         }
+        if spec.from_ic {
+            loaded.reset()?;
+        }
+        self.fault = None;
         Ok(())
     }
 }
@@ -178,7 +193,6 @@ impl Loaded {
         profile: Profile,
     ) -> Result<Loaded, String> {
         let ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
-        crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
         let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
         let mut loaded = Loaded { bundle, profile, params, ics: Vec::new(), ordered, simulation, channels };
@@ -219,7 +233,7 @@ impl Loaded {
             .iter()
             .map(|o| Overload {
                 block: self.ordered.netlist.blocks[o.block.index()].name.clone(),
-                time_s: o.time_s,
+                time_s: o.t_s,
                 value: o.value,
             })
             .collect()

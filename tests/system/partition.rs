@@ -25,7 +25,7 @@ fn machine(vehicle: &Vehicle, step: Tick, fast: u64, alpha: AlphaPath) -> Vec<Fl
         skew: Tick::ZERO,
         stop: Tick(48_800_000_000),
         alpha,
-        profile: Profile::named("ideal").unwrap(),
+        profile: Profile::load("ideal").unwrap(),
     };
     let mut started =
         Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default()).unwrap();
