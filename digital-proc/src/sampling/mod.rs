@@ -1,0 +1,9 @@
+//! The sampling laboratory: what an interface does to a loop, with theory beside measurement.
+//!
+//! Each experiment is a *setting* (what to vary), a *law* (a small state machine
+//! `step(frame, adc, updates)` that the executive runs once a frame), a *plan*
+//! (patch, parameters, frame, latency, hold) and *rows* (measured beside theory).
+//! Nothing here knows how frames travel or prints a report.
+
+pub mod identify;
+pub mod theory;
