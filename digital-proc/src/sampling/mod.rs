@@ -5,5 +5,11 @@
 //! (patch, parameters, frame, latency, hold) and *rows* (measured beside theory).
 //! Nothing here knows how frames travel or prints a report.
 
+pub mod alpha;
+pub mod feedback;
 pub mod identify;
+#[cfg(test)]
+mod plain_machine;
+pub mod plan;
+pub mod table;
 pub mod theory;
