@@ -6,7 +6,9 @@
 //! Nothing here knows how frames travel or prints a report.
 
 pub mod alpha;
+pub mod converter_error;
 pub mod feedback;
+pub mod function_generation;
 pub mod identify;
 #[cfg(test)]
 mod plain_machine;

@@ -205,6 +205,7 @@ impl AlphaLoop {
                 jump.set_row(U_NEXT, &advanced);
                 // There is no analog angle and no correction.
                 jump.row_mut(A).fill(0.0);
+                jump.row_mut(E1).fill(0.0);
                 jump.row_mut(C_NEXT).fill(0.0);
             }
             Scheme::Redundant {
