@@ -4,5 +4,21 @@
 //! net cannot run: text → net → checked → ordered → machine.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod block;
+pub mod channels;
+pub mod check;
+pub mod cli;
+pub mod draw;
+pub mod event;
+pub mod fault;
+pub mod frame_cycle;
+pub mod integrate;
+pub mod machine;
+pub mod mode;
 pub mod net;
 pub mod order;
+pub mod overload;
+pub mod patch;
+pub mod record;
+pub mod serve;
+pub mod simulation;

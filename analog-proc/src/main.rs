@@ -1,2 +1,7 @@
 //! Stand-alone entry to the analog processor.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    analog_proc::cli::main()
+}

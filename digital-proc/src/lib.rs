@@ -1,4 +1,31 @@
-//! digital-proc
+//! The digital processor: trajectory, executive, studies and reports.
+//!
+//! It meets the analog side only through `interface`: a [`console`] names its
+//! channels, [`launch`] starts it, [`executive`] says which task is due when.
+//! Numeric modules do no I/O; [`cli`] is the only one that talks to the user.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod airframe;
+pub mod atmosphere;
+pub mod cli;
+pub mod console;
+pub mod executive;
+pub mod flight;
+pub mod flight_mode;
+pub mod flight_summary;
+pub mod gain_schedule;
+pub mod launch;
+pub mod pitch_programme;
+pub mod progress;
+pub mod reference;
+pub mod report;
+pub mod rk4;
+pub mod run_dir;
 pub mod sampling;
+pub mod slice;
+pub mod table;
+pub mod table_edges;
+pub mod trajectory;
+pub mod vehicle;
+pub mod wind;
+pub mod wind_ensemble;

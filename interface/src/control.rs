@@ -5,6 +5,7 @@
 
 use crate::{Tick, profile::Profile};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 /// A patch with every file that it uses, so that the analog side needs no file system.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,6 +14,25 @@ pub struct PatchBundle {
     pub root: String,
     /// Path (as written in `use`, relative to the root's folder) and text of each file.
     pub files: Vec<(String, String)>,
+}
+
+impl PatchBundle {
+    /// SHA-256 of the root's name and every file in order, hexadecimal; each text is
+    /// preceded by its length, so that no two bundles share their bytes.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let mut sha = Sha256::new();
+        let mut text = |text: &str| {
+            sha.update((text.len() as u64).to_le_bytes());
+            sha.update(text.as_bytes());
+        };
+        text(&self.root);
+        for (path, contents) in &self.files {
+            text(path);
+            text(contents);
+        }
+        sha.finalize().iter().map(|b| format!("{b:02x}")).collect()
+    }
 }
 
 /// What one OPERATE period is to do.

@@ -9,6 +9,9 @@ pub mod control;
 pub mod frame;
 pub mod link;
 pub mod profile;
+pub mod protocol;
+pub mod session;
 pub mod tick;
 
+pub use protocol::Side;
 pub use tick::Tick;

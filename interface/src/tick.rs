@@ -118,6 +118,10 @@ impl std::str::FromStr for Tick {
         if whole.is_empty() && fraction.is_empty() {
             return Err(fail("it has no digits"));
         }
+        // `parse` below would take a second sign.
+        if [whole, fraction].iter().any(|s| s.contains(['-', '+'])) {
+            return Err(fail("it has two signs"));
+        }
         let fraction = fraction.trim_end_matches('0');
         if fraction.len() > digits as usize {
             return Err(fail("it is finer than a nanosecond"));

@@ -1,1 +1,9 @@
-//! system tests
+//! The machine as a user meets it: two real processes, started, joined, killed.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod bench_top;
+mod determinism;
+mod faults;
+mod flight;
+mod partition;
+mod sessions;

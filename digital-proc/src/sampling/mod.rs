@@ -6,6 +6,7 @@
 //! Nothing here knows how frames travel or prints a report.
 
 pub mod alpha;
+pub mod axes;
 pub mod converter_error;
 pub mod feedback;
 pub mod function_generation;

@@ -2,6 +2,14 @@
 //!
 //! Every call has a deadline and notices a dead partner; none waits for ever.
 
+mod end;
+pub mod memory;
+pub mod shm;
+mod waiting;
+
+pub use end::{AnalogEnd, DigitalEnd};
+pub use waiting::Patience;
+
 use crate::{
     control::{Reply, Request},
     frame::{Samples, Updates},
@@ -54,6 +62,20 @@ pub enum LinkFault {
     },
 }
 
+impl LinkFault {
+    /// The same fault, told of another frame (a wire does not know its frame).
+    pub(crate) fn at_frame(mut self, number: u64) -> LinkFault {
+        if let LinkFault::PartnerDied { frame, .. }
+        | LinkFault::Deadline { frame, .. }
+        | LinkFault::Protocol { frame, .. }
+        | LinkFault::Interrupted { frame } = &mut self
+        {
+            *frame = number;
+        }
+        self
+    }
+}
+
 /// The analog processor's end.
 pub trait AnalogPort {
     /// Sends samples n.
@@ -66,7 +88,8 @@ pub trait AnalogPort {
     /// # Errors
     /// [`LinkFault`] on a deadline, a dead partner or another frame number.
     fn await_updates(&mut self, frame: u64) -> Result<Updates, LinkFault>;
-    /// Takes updates n if they have arrived already (free-running sessions).
+    /// Takes updates n if they have arrived already (free-running sessions). There an
+    /// update of an earlier frame that comes late is given too; its number tells.
     ///
     /// # Errors
     /// As [`AnalogPort::await_updates`].
@@ -85,7 +108,8 @@ pub trait AnalogPort {
 
 /// The digital processor's end.
 pub trait DigitalPort {
-    /// Waits for samples n.
+    /// Waits for samples n. In a free-running session that overran, the samples that
+    /// come may bear a later number; in lock-step never.
     ///
     /// # Errors
     /// [`LinkFault`] on a deadline, a dead partner or another frame number.

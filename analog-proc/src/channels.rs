@@ -1,0 +1,328 @@
+//! The patch's converters, coefficients and lines, and the stages between them
+//! and the frames.
+//!
+//! Each ADC converts (bits, full scale, saturation flag); each DAC converts,
+//! holds (zero order, extrapolating, interpolating) and settles; each DCU is
+//! set to its nearest coefficient. With an ideal profile every stage passes f64.
+
+use crate::{
+    block::dac::DacPiece,
+    net::{Kind, NetId, Netlist},
+    simulation::Simulation,
+};
+use interface::{
+    Tick,
+    coefficient::CoefficientUnit,
+    control::{Channel, ChannelKind},
+    converter::Converter,
+    frame::{EDGES_PER_FRAME, Edge, Samples, Updates},
+    hold::Hold,
+    profile::Profile,
+};
+
+struct AdcChannel {
+    channel: usize,
+    net: NetId,
+    converter: Converter,
+}
+
+struct DacChannel {
+    channel: usize,
+    converter: Converter,
+    hold: Hold,
+    value: f64,
+}
+
+struct DcuChannel {
+    channel: usize,
+    unit: CoefficientUnit,
+    value: f64,
+}
+
+struct Line {
+    line: usize,
+    net: NetId,
+}
+
+/// Every channel of one loaded patch, in order of number.
+pub struct Channels {
+    profile: Profile,
+    adc: Vec<AdcChannel>,
+    dac: Vec<DacChannel>,
+    dcu: Vec<DcuChannel>,
+    sense: Vec<Line>,
+    /// Control line and its present value.
+    control: Vec<(usize, bool)>,
+    edges: Vec<(u32, bool, f64)>,
+}
+
+impl Channels {
+    /// Collects the channels of a patch and sets the machine to their initial values.
+    ///
+    /// # Errors
+    /// A text naming the converters that have bits but no full scale.
+    pub fn new(
+        netlist: &Netlist,
+        profile: &Profile,
+        simulation: &mut Simulation,
+    ) -> Result<Channels, String> {
+        let mut channels = Channels {
+            profile: profile.clone(),
+            adc: Vec::new(),
+            dac: Vec::new(),
+            dcu: Vec::new(),
+            sense: Vec::new(),
+            control: Vec::new(),
+            edges: Vec::new(),
+        };
+        let mut faults = Vec::new();
+        for block in &netlist.blocks {
+            let mut fault = |e: &dyn std::fmt::Display| faults.push(format!("`{}`: {e}", block.name));
+            let net = block.outputs[0];
+            match block.kind {
+                Kind::Adc { channel } => match profile.adc_converter(block.max) {
+                    Ok(converter) => channels.adc.push(AdcChannel { channel: channel as usize, net, converter }),
+                    Err(e) => fault(&e),
+                },
+                Kind::Dac { channel, initial } | Kind::Mdac { channel, initial } => {
+                    match profile.dac_converter(block.max) {
+                        Ok(converter) => channels.dac.push(DacChannel {
+                            channel: channel as usize,
+                            converter,
+                            hold: Hold::new(profile.hold(), initial),
+                            value: initial,
+                        }),
+                        Err(e) => fault(&e),
+                    }
+                }
+                Kind::Dcu { channel, initial } => match profile.coefficient_unit() {
+                    Ok(unit) => channels.dcu.push(DcuChannel { channel: channel as usize, unit, value: initial }),
+                    Err(e) => fault(&e),
+                },
+                Kind::DigitalFunction { first_channel, ref initial, .. } => match profile.coefficient_unit() {
+                    Ok(unit) => channels.dcu.extend((first_channel as usize..).zip(initial).map(
+                        |(channel, &value)| DcuChannel { channel, unit, value },
+                    )),
+                    Err(e) => fault(&e),
+                },
+                Kind::Sense { line } => channels.sense.push(Line { line: line as usize, net }),
+                Kind::Control { line, initial } => channels.control.push((line as usize, initial)),
+                _ => {}
+            }
+        }
+        if !faults.is_empty() {
+            return Err(format!(
+                "the profile `{}` cannot convert these blocks:\n  {}",
+                profile.name,
+                faults.join("\n  ")
+            ));
+        }
+        channels.adc.sort_by_key(|c| c.channel);
+        channels.dac.sort_by_key(|c| c.channel);
+        channels.dcu.sort_by_key(|c| c.channel);
+        channels.set_all(simulation);
+        Ok(channels)
+    }
+
+    /// Takes over the settings of the same channels before a pot-set.
+    pub fn carry_over(&mut self, old: &Channels, simulation: &mut Simulation) {
+        for dac in &mut self.dac {
+            if let Some(was) = old.dac.iter().find(|d| d.channel == dac.channel) {
+                dac.value = was.value;
+            }
+        }
+        for dcu in &mut self.dcu {
+            if let Some(was) = old.dcu.iter().find(|d| d.channel == dcu.channel) {
+                dcu.value = was.value;
+            }
+        }
+        for (line, value) in &mut self.control {
+            if let Some((_, was)) = old.control.iter().find(|(l, _)| l == line) {
+                *value = *was;
+            }
+        }
+        self.set_all(simulation);
+    }
+
+    /// ADC channels in a scan.
+    #[must_use]
+    pub fn adc_count(&self) -> usize {
+        self.adc.len()
+    }
+
+    /// From the first to the last hold of a scan.
+    #[must_use]
+    pub fn scan_time(&self, skew: Tick) -> Tick {
+        skew * (self.adc.len().saturating_sub(1)) as i64
+    }
+
+    /// The channels as the digital side is told of them.
+    #[must_use]
+    pub fn describe(&self, netlist: &Netlist) -> Vec<Channel> {
+        let mut described = Vec::new();
+        for block in &netlist.blocks {
+            let (kind, number, count) = match block.kind {
+                Kind::Adc { channel } => (ChannelKind::Adc, channel, 1),
+                Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => (ChannelKind::Dac, channel, 1),
+                Kind::Dcu { channel, .. } => (ChannelKind::Dcu, channel, 1),
+                Kind::DigitalFunction { first_channel, ref x, .. } => (ChannelKind::Dcu, first_channel, x.len()),
+                Kind::Sense { line } => (ChannelKind::Sense, line, 1),
+                Kind::Control { line, .. } => (ChannelKind::Control, line, 1),
+                Kind::Interrupt { line } => (ChannelKind::Interrupt, line, 1),
+                _ => continue,
+            };
+            for i in 0..count {
+                // The ordinates of a function generator are NAME[0], NAME[1], …
+                let name = if matches!(block.kind, Kind::DigitalFunction { .. }) {
+                    format!("{}[{i}]", block.name)
+                } else {
+                    block.name.clone()
+                };
+                described.push(Channel { kind, name, number: number + i as u32, full_scale: block.max });
+            }
+        }
+        described
+    }
+
+    /// Sets one channel by its name while the machine does not operate.
+    ///
+    /// # Errors
+    /// A text naming the channel that does not exist or the value that is no number.
+    pub fn preset(
+        &mut self,
+        netlist: &Netlist,
+        name: &str,
+        value: f64,
+        simulation: &mut Simulation,
+    ) -> Result<(), String> {
+        if !value.is_finite() {
+            return Err(format!("the preset of `{name}` is {value}, not a finite number"));
+        }
+        let settable = |c: &&Channel| matches!(c.kind, ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control);
+        let described = self.describe(netlist);
+        let channel = described
+            .iter()
+            .filter(settable)
+            .find(|c| c.name == name)
+            .ok_or_else(|| format!("the patch has no DAC, DCU or control line `{name}` to preset"))?;
+        let number = channel.number as usize;
+        match channel.kind {
+            ChannelKind::Dac => {
+                if let Some(dac) = self.dac.iter_mut().find(|d| d.channel == number) {
+                    dac.value = value;
+                }
+            }
+            ChannelKind::Dcu => {
+                if let Some(dcu) = self.dcu.iter_mut().find(|d| d.channel == number) {
+                    dcu.value = value;
+                }
+            }
+            _ => {
+                if let Some((_, on)) = self.control.iter_mut().find(|(l, _)| *l == number) {
+                    *on = value != 0.0;
+                }
+            }
+        }
+        self.set_all(simulation);
+        Ok(())
+    }
+
+    /// Puts every channel to its present value, held: where a run starts.
+    pub fn set_all(&mut self, simulation: &mut Simulation) {
+        let now_s = simulation.now_s();
+        for dac in &mut self.dac {
+            dac.hold = Hold::new(self.profile.hold(), dac.value);
+            let value = dac.converter.convert(dac.value).value;
+            simulation.set_dac(dac.channel as u32, DacPiece::held(value, now_s));
+        }
+        for dcu in &self.dcu {
+            simulation.set_dcu(dcu.channel as u32, dcu.unit.set(dcu.value).value);
+        }
+        for (line, on) in &self.control {
+            simulation.set_control(*line as u32, *on);
+        }
+    }
+
+    /// Tracks and holds the `index`-th ADC channel now.
+    pub fn sample(&self, index: usize, simulation: &Simulation, samples: &mut Samples) {
+        let adc = &self.adc[index];
+        let conversion = adc.converter.convert(simulation.net(adc.net));
+        samples.adc[adc.channel] = conversion.value;
+        if conversion.saturated || conversion.non_finite {
+            samples.adc_saturated |= 1 << adc.channel;
+        }
+    }
+
+    /// Lets updates take effect at run time `at`, problem time `now_s`.
+    pub fn transfer(&mut self, updates: &Updates, at: Tick, simulation: &mut Simulation) {
+        let now_s = simulation.now_s();
+        let settling_s = self.profile.settling().time_constant_s();
+        for dac in &mut self.dac {
+            if updates.dac_mask >> dac.channel & 1 == 0 {
+                continue;
+            }
+            dac.value = updates.dac[dac.channel];
+            let piece = dac.hold.transfer(at, dac.converter.convert(dac.value).value);
+            simulation.set_dac(
+                dac.channel as u32,
+                DacPiece {
+                    // A lag behind a ramp: the asymptote runs `slope · tau` behind it.
+                    value: piece.value - piece.slope * settling_s,
+                    slope_per_s: piece.slope,
+                    from_s: now_s,
+                    settling_s,
+                },
+            );
+        }
+        for dcu in &mut self.dcu {
+            if updates.dcu_mask[dcu.channel / 64] >> (dcu.channel % 64) & 1 == 1 {
+                dcu.value = updates.dcu[dcu.channel];
+                simulation.set_dcu(dcu.channel as u32, dcu.unit.set(dcu.value).value);
+            }
+        }
+        for (line, on) in &mut self.control {
+            if updates.control_mask >> *line & 1 == 1 {
+                *on = updates.control >> *line & 1 == 1;
+                simulation.set_control(*line as u32, *on);
+            }
+        }
+    }
+
+    /// The next instant after `from` at which an interpolating hold has reached its value.
+    #[must_use]
+    pub fn next_arrival(&self, from: Tick) -> Option<Tick> {
+        self.dac.iter().filter_map(|d| d.hold.piece().end).filter(|end| *end > from).min()
+    }
+
+    /// Holds the DACs whose interpolation ends at `at`.
+    pub fn arrive(&mut self, at: Tick, simulation: &mut Simulation) {
+        let now_s = simulation.now_s();
+        let settling_s = self.profile.settling().time_constant_s();
+        for dac in self.dac.iter().filter(|d| d.hold.piece().end == Some(at)) {
+            let value = dac.hold.piece().at(at);
+            simulation.set_dac(
+                dac.channel as u32,
+                DacPiece { value, slope_per_s: 0.0, from_s: now_s, settling_s },
+            );
+        }
+    }
+
+    /// Fills in logic, edges and overloads; `shift` leads from problem to run time.
+    pub fn stamp(&mut self, simulation: &mut Simulation, shift: Tick, samples: &mut Samples) {
+        for sense in &self.sense {
+            if simulation.net(sense.net) != 0.0 {
+                samples.sense |= 1 << sense.line;
+            }
+        }
+        self.edges.clear();
+        simulation.take_edges(&mut self.edges);
+        samples.edge_count = self.edges.len().min(EDGES_PER_FRAME) as u32;
+        samples.edges_lost = (self.edges.len() - samples.edge_count as usize) as u32;
+        for (slot, &(line, rising, t_s)) in samples.edges.iter_mut().zip(&self.edges) {
+            // Problem time is within 292 years: it always fits a tick.
+            let tick = Tick::from_secs(t_s).unwrap_or_default() + shift;
+            *slot = Edge { tick, line, rising: u32::from(rising) };
+        }
+        samples.overloads = simulation.overloads().len() as u32;
+    }
+}

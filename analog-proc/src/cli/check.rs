@@ -1,0 +1,82 @@
+//! `analog-proc check`: all faults of a patch, or what it is.
+
+use super::{CHECK_FAILED, Failure, PatchArgs};
+use crate::{net::Kind, order::Ordered, patch, simulation::Simulation};
+use interface::{control::StaticCheckLine, profile::Profile};
+
+/// Check a patch.
+#[derive(clap::Args)]
+pub struct Check {
+    #[command(flatten)]
+    patch: PatchArgs,
+}
+
+/// A patch read, checked against its profile and put in order.
+pub struct Compiled {
+    pub ordered: Ordered,
+    pub hash: String,
+}
+
+impl PatchArgs {
+    /// Reads, checks and orders the patch; faults come back rendered.
+    pub fn compile(&self) -> Result<Compiled, Failure> {
+        let faults = |f: patch::PatchFaults| {
+            Failure::input(if self.json {
+                serde_json::json!({ "faults": f.to_list() }).to_string()
+            } else {
+                f.render()
+            })
+        };
+        let profile = Profile::load(&self.profile).map_err(Failure::input)?;
+        let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
+        let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
+        crate::check::against_profile(&ordered, &profile).map_err(faults)?;
+        Ok(Compiled { hash: patch::hash(&bundle), ordered })
+    }
+}
+
+impl Check {
+    pub fn execute(self) -> Result<(), Failure> {
+        let Compiled { ordered, hash } = self.patch.compile()?;
+        let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
+        let lines = simulation.static_check(&ordered.netlist.expected);
+        let disagree = lines.iter().filter(|l| !l.agrees).count();
+        let count = |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
+        let integrators = count(|k| matches!(k, Kind::Integrator { .. } | Kind::Lag { .. }));
+        let logic = count(Kind::is_logic);
+        if self.patch.json {
+            let report = serde_json::json!({
+                "patch": self.patch.patch,
+                "title": ordered.netlist.title,
+                "hash": hash,
+                "blocks": ordered.netlist.blocks.len(),
+                "integrators": integrators,
+                "logic": logic,
+                "static-check": lines,
+            });
+            println!("{report:#}");
+        } else {
+            println!("{}: {}", self.patch.patch.display(), ordered.netlist.title);
+            println!(
+                "  {} blocks, {integrators} of them integrators or lags, {logic} logic; no faults",
+                ordered.netlist.blocks.len()
+            );
+            for line in &lines {
+                println!("  static check {}", describe(line));
+            }
+        }
+        if disagree > 0 {
+            return Err(Failure {
+                code: CHECK_FAILED,
+                text: format!("static check: {disagree} of {} values disagree", lines.len()),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn describe(line: &StaticCheckLine) -> String {
+    let StaticCheckLine { block, what, expected, found, agrees } = line;
+    let verdict = if *agrees { "ok" } else { "DISAGREES" };
+    format!("{block} {what}: expected {expected}, found {found}: {verdict}")
+}

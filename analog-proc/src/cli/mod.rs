@@ -1,0 +1,100 @@
+//! The command line of `analog-proc`.
+//!
+//! Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the partner
+//! process failed.
+
+mod check;
+mod draw;
+mod run;
+mod serve;
+
+use clap::{Args, Parser, Subcommand};
+use std::{path::PathBuf, process::ExitCode};
+
+/// Exit code for a check that failed.
+pub const CHECK_FAILED: u8 = 1;
+/// Exit code for bad input or usage.
+pub const BAD_INPUT: u8 = 2;
+/// Exit code for a failed partner process.
+pub const PARTNER_FAILED: u8 = 3;
+
+/// The analog processor: a parallel array of continuously integrated blocks, wired by a patch file.
+///
+/// Try it on a shipped patch:
+///
+///     analog-proc check patch-files/van-der-pol.toml
+///     analog-proc run   patch-files/van-der-pol.toml --until 20s --every 10ms --record x,v --out vdp.csv
+///     analog-proc draw  patch-files/van-der-pol.toml --out vdp.svg
+#[derive(Parser)]
+#[command(name = "analog-proc", version, verbatim_doc_comment, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Check a patch: report all its faults, or its size, order and static check
+    Check(check::Check),
+    /// Run a patch by itself and write what is recorded as CSV or Arrow
+    Run(run::Run),
+    /// Draw a patch as an SVG wiring diagram in analog-computer symbols
+    Draw(draw::Draw),
+    /// Serve a session: the digital side joins it with `digital-proc --attach NAME`
+    Serve(serve::Serve),
+}
+
+/// What every command that reads a patch takes.
+#[derive(Args)]
+struct PatchArgs {
+    /// The patch file
+    patch: PathBuf,
+    /// Override a parameter of the patch, e.g. `--set mu=5`; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
+    params: Vec<(String, f64)>,
+    /// Machine profile: ideal, paper-class, ad4, or a file
+    #[arg(long, default_value = "ideal")]
+    profile: String,
+    /// Write results and faults as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn parameter(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, for example mu=5")?;
+    match value.trim().parse::<f64>() {
+        Ok(v) if v.is_finite() => Ok((name.trim().to_owned(), v)),
+        _ => Err(format!("`{value}` is not a finite number")),
+    }
+}
+
+/// Why a command did not do what it was asked, with its exit code.
+struct Failure {
+    code: u8,
+    text: String,
+}
+
+impl Failure {
+    fn input(error: impl std::fmt::Display) -> Failure {
+        Failure { code: BAD_INPUT, text: error.to_string() }
+    }
+}
+
+/// Runs `analog-proc` on this process' arguments.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.command {
+        Command::Check(c) => c.execute(),
+        Command::Run(c) => c.execute(),
+        Command::Draw(c) => c.execute(),
+        Command::Serve(c) => c.execute(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{}", failure.text.trim_end());
+            ExitCode::from(failure.code)
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! `analog-proc run`: a patch by itself, recorded to a file.
+
+use super::{Failure, PatchArgs, check::Compiled};
+use crate::{
+    net::NetId,
+    record::{Recorder, RecordFault},
+    simulation::{Advance, Simulation},
+};
+use indicatif::{ProgressBar, ProgressStyle};
+use interface::Tick;
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+/// Run a patch by itself.
+#[derive(clap::Args)]
+pub struct Run {
+    #[command(flatten)]
+    patch: PatchArgs,
+    /// Problem time to stop at, e.g. 20s
+    #[arg(long, value_name = "TIME")]
+    until: Tick,
+    /// Interval between recorded rows; recording never alters the integration
+    #[arg(long, value_name = "TIME", default_value = "10ms")]
+    every: Tick,
+    /// Nets to record, separated by commas [default: every integrator]
+    #[arg(long, value_delimiter = ',')]
+    record: Vec<String>,
+    /// File to write: .csv (17 significant digits) or .arrow (IPC stream); `-` for CSV on standard output
+    #[arg(long, short, default_value = "-")]
+    out: PathBuf,
+}
+
+impl Run {
+    pub fn execute(self) -> Result<(), Failure> {
+        if self.until < Tick::ZERO || self.every <= Tick::ZERO {
+            return Err(Failure::input("--until must not be negative and --every must be positive"));
+        }
+        let Compiled { ordered, .. } = self.patch.compile()?;
+        let names = self.recorded(&ordered)?;
+        let nets: Vec<NetId> = names.iter().map(|(_, id)| *id).collect();
+        let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
+        let write = |f: RecordFault| Failure::input(f);
+        let mut recorder =
+            Recorder::create(&self.out, names.iter().map(|(n, _)| n.as_str())).map_err(write)?;
+        let progress = Progress::new(self.until);
+        let mut failed = None;
+        // Slices only pace the progress bar; they are ends of steps like any other stop.
+        let end = simulation.advance_recording(self.until, self.every, &nets, |time_s, values| {
+            if failed.is_none() {
+                failed = recorder.row(time_s, values).err();
+            }
+            progress.at(time_s);
+        });
+        recorder.finish().map_err(write)?;
+        progress.done();
+        if let Some(fault) = failed {
+            return Err(write(fault));
+        }
+        let overloads: Vec<String> = simulation
+            .overloads()
+            .iter()
+            .map(|o| {
+                let name = &ordered.netlist.blocks[o.block.index()].name;
+                format!("overload: {name} at {} s ({})", o.time_s, o.value)
+            })
+            .collect();
+        for line in &overloads {
+            eprintln!("{line}");
+        }
+        let advance = end.map_err(|f| {
+            Failure::input(format!("{f}\nrecorded up to there: {}", self.out.display()))
+        })?;
+        if let Advance::HeldAt(at) | Advance::StoppedAt(at) = advance {
+            eprintln!("the run ended at {at} by its overload policy");
+        }
+        let s = simulation.statistics();
+        let to_file = self.out.as_os_str() != "-";
+        if self.patch.json {
+            eprintln!(
+                "{}",
+                serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads })
+            );
+        } else if to_file {
+            println!(
+                "{}: {} steps ({} rejected), {} events; recorded to {}",
+                self.until, s.steps, s.rejected, s.events, self.out.display()
+            );
+        }
+        Ok(())
+    }
+
+    /// Names and nets to record.
+    fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
+        let netlist = &ordered.netlist;
+        if self.record.is_empty() {
+            let blocks = netlist.blocks.iter().filter(|b| matches!(b.kind, crate::net::Kind::Integrator { .. } | crate::net::Kind::Lag { .. }));
+            return Ok(blocks.map(|b| (b.name.clone(), b.outputs[0])).collect());
+        }
+        let find = |name: &String| {
+            netlist
+                .nets
+                .iter()
+                .position(|n| n.name == *name)
+                .map(|i| (name.clone(), NetId(i as u32)))
+                .ok_or_else(|| {
+                    let nearest = netlist
+                        .nets
+                        .iter()
+                        .min_by_key(|n| strsim::damerau_levenshtein(&n.name, name))
+                        .map(|n| format!("; did you mean `{}`?", n.name))
+                        .unwrap_or_default();
+                    Failure::input(format!("--record: the patch has no net `{name}`{nearest}"))
+                })
+        };
+        self.record.iter().map(find).collect()
+    }
+}
+
+/// A progress bar that appears only when a run takes more than a second.
+struct Progress {
+    bar: std::cell::OnceCell<ProgressBar>,
+    started: Instant,
+    until_s: f64,
+}
+
+impl Progress {
+    fn new(until: Tick) -> Progress {
+        Progress { bar: std::cell::OnceCell::new(), started: Instant::now(), until_s: until.secs() }
+    }
+
+    fn at(&self, time_s: f64) {
+        if self.bar.get().is_none() && self.started.elapsed() < Duration::from_secs(1) {
+            return;
+        }
+        let bar = self.bar.get_or_init(|| {
+            let bar = ProgressBar::new(1000);
+            if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}% of problem time, {eta} left") {
+                bar.set_style(style);
+            }
+            bar
+        });
+        bar.set_position((1000.0 * time_s / self.until_s) as u64);
+    }
+
+    fn done(&self) {
+        if let Some(bar) = self.bar.get() {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! The frame cycle in lock-step.
+//!
+//! At `t_n + i·δ` ADC channel i is tracked and held; after the last, samples n
+//! are published. The array integrates on to `t_n + τ` while the digital side
+//! computes, and there updates n take effect together. Where a sample and a
+//! transfer fall on one instant, the sample comes first. Instants are products
+//! of integers, so that no schedule of the two processes can change the result.
+//! In HOLD the frames go on and problem time stands still.
+
+use crate::{
+    channels::Channels,
+    fault::RunFault,
+    simulation::{Advance, Simulation},
+};
+use interface::{
+    Tick,
+    control::RunSpec,
+    frame::{ModeCommand, RunState, Samples},
+    link::{AnalogPort, LinkFault},
+};
+
+/// Runs the frames of one OPERATE period; returns what stopped it early, if it was a fault.
+///
+/// # Errors
+/// [`LinkFault`] when the digital side is gone, silent or out of step.
+pub fn run(
+    spec: &RunSpec,
+    simulation: &mut Simulation,
+    channels: &mut Channels,
+    port: &mut dyn AnalogPort,
+) -> Result<Option<RunFault>, LinkFault> {
+    let origin = simulation.now();
+    channels.set_all(simulation);
+    let mut cycle = Cycle {
+        spec,
+        simulation,
+        channels,
+        port,
+        origin,
+        clock: Tick::ZERO,
+        held: Tick::ZERO,
+        holding: false,
+        pending: None,
+        over: None,
+    };
+    cycle.settle();
+    let channels_in_scan = cycle.channels.adc_count();
+    for frame in 0_u64.. {
+        // Overflow would take 292 years of problem time: such a frame lies beyond any stop.
+        let at = spec.frame.checked_mul(frame).map_or(spec.stop, |t| t.min(spec.stop));
+        let last = at == spec.stop;
+        let mut samples = Samples::new(frame, at, RunState::Operate);
+        for index in 0..channels_in_scan.max(1) {
+            let instant = if last { at } else { at + spec.skew * index as i64 };
+            cycle.transfer_before(instant)?;
+            cycle.advance(instant);
+            if index < channels_in_scan {
+                cycle.channels.sample(index, cycle.simulation, &mut samples);
+            }
+        }
+        if last && cycle.over.is_none() {
+            cycle.over = Some(Over::Ended);
+        }
+        if let Some(over) = cycle.over.take() {
+            return cycle.finish(samples, over);
+        }
+        cycle.stamp(&mut samples);
+        // A transfer at the very instant of the last sample comes after it: the
+        // sample is taken, and told once the updates before it have come.
+        cycle.transfer_before(cycle.clock + Tick(1))?;
+        if let Some(over) = cycle.over.take() {
+            return cycle.finish(samples, over);
+        }
+        cycle.port.send_samples(&samples)?;
+        cycle.pending = Some((frame, at + spec.latency));
+        // Look-ahead: the array integrates while the digital side computes.
+        cycle.advance((at + spec.latency).min(spec.stop));
+    }
+    unreachable!("frames are counted in u64")
+}
+
+/// Why no further frame follows.
+enum Over {
+    Ended,
+    Faulted(RunFault),
+}
+
+struct Cycle<'a> {
+    spec: &'a RunSpec,
+    simulation: &'a mut Simulation,
+    channels: &'a mut Channels,
+    port: &'a mut dyn AnalogPort,
+    /// Problem time of the array when this period started.
+    origin: Tick,
+    /// Run time reached, counted from the start of this period, HOLD included.
+    clock: Tick,
+    /// Time spent in HOLD so far.
+    held: Tick,
+    holding: bool,
+    /// Frame whose updates are still to be taken, and when they take effect.
+    pending: Option<(u64, Tick)>,
+    over: Option<Over>,
+}
+
+impl Cycle<'_> {
+    /// Integrates to run time `to`, stopping where an interpolating hold arrives.
+    fn advance(&mut self, to: Tick) {
+        while let Some(at) = self.channels.next_arrival(self.clock).filter(|at| *at <= to) {
+            self.integrate(at);
+            self.channels.arrive(at, self.simulation);
+            self.settle();
+        }
+        self.integrate(to);
+    }
+
+    /// Lets what was set take effect.
+    fn settle(&mut self) {
+        if self.over.is_none()
+            && let Err(fault) = self.simulation.apply()
+        {
+            self.over = Some(Over::Faulted(fault));
+        }
+    }
+
+    /// Integrates to run time `to`; in HOLD only the clock moves.
+    fn integrate(&mut self, to: Tick) {
+        if self.over.is_some() || to <= self.clock {
+            return;
+        }
+        if self.holding {
+            self.held = self.held + (to - self.clock);
+            self.clock = to;
+            return;
+        }
+        match self.simulation.advance_to(self.origin + to - self.held) {
+            Ok(Advance::Reached) => {}
+            // The overload policy: problem time stands where the overload was located.
+            Ok(Advance::HeldAt(at)) => {
+                self.holding = true;
+                self.held = self.held + ((self.origin + to - self.held) - at);
+            }
+            Ok(Advance::StoppedAt(_)) => self.over = Some(Over::Ended),
+            Err(fault) => self.over = Some(Over::Faulted(fault)),
+        }
+        self.clock = to;
+    }
+
+    /// Takes the pending updates, if they are due before `instant`, and lets them take effect.
+    fn transfer_before(&mut self, instant: Tick) -> Result<(), LinkFault> {
+        let Some((frame, due)) = self.pending.take_if(|(_, due)| *due < instant) else {
+            return Ok(());
+        };
+        self.advance(due);
+        let updates = self.port.await_updates(frame)?;
+        if self.over.is_some() {
+            return Ok(());
+        }
+        self.channels.transfer(&updates, due, self.simulation);
+        self.settle();
+        if self.over.is_some() {
+            return Ok(());
+        }
+        match updates.mode_command() {
+            ModeCommand::Continue => {}
+            ModeCommand::Hold => self.holding = true,
+            ModeCommand::Operate => self.holding = false,
+            ModeCommand::End => self.over = Some(Over::Ended),
+        }
+        Ok(())
+    }
+
+    /// Fills in what is read at the end of a scan: logic, edges, overloads, state.
+    fn stamp(&mut self, samples: &mut Samples) {
+        if self.holding {
+            samples.state = RunState::Hold as u32;
+        }
+        let shift = self.held - self.origin;
+        self.channels.stamp(self.simulation, shift, samples);
+    }
+
+    /// Tells the digital side that the run is over.
+    fn finish(mut self, mut samples: Samples, over: Over) -> Result<Option<RunFault>, LinkFault> {
+        if let Some((frame, _)) = self.pending.take() {
+            self.port.await_updates(frame)?;
+        }
+        self.stamp(&mut samples);
+        samples.tick = self.clock;
+        let (state, fault) = match over {
+            Over::Ended => (RunState::Ended, None),
+            Over::Faulted(fault) => (RunState::Faulted, Some(fault)),
+        };
+        samples.state = state as u32;
+        self.port.send_samples(&samples)?;
+        Ok(fault)
+    }
+}

@@ -1,0 +1,241 @@
+//! The analog side of a session: answers requests, then runs the frame cycle.
+//!
+//! One loop for every link. In a run it is the only one who knows when samples
+//! are taken and transfers take effect: channel i is held at `t_n + i·δ`, the
+//! array integrates on to `t_n + τ` and no further, and there updates n take
+//! effect together. Where a sample and a transfer fall on one instant, the
+//! sample comes first.
+
+use crate::{
+    channels::Channels,
+    frame_cycle,
+    net::{BlockId, NetId},
+    order::Ordered,
+    patch,
+    simulation::Simulation,
+};
+use interface::{
+    Tick,
+    control::{Overload, PatchBundle, Reply, Request, RunSpec},
+    link::{AnalogPort, LinkFault},
+    profile::Profile,
+};
+
+/// Serves one session until the digital side says goodbye or is gone.
+///
+/// # Errors
+/// [`LinkFault`] when the digital side is gone, silent or out of step.
+pub fn serve(port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
+    let mut server = Server::default();
+    loop {
+        let reply = match port.await_request()? {
+            Request::Bye => {
+                port.reply(&Reply::Done)?;
+                return Ok(());
+            }
+            Request::Operate(spec) => match server.admit(&spec) {
+                Ok(()) => {
+                    port.reply(&Reply::Done)?;
+                    server.run(&spec, port)?;
+                    continue;
+                }
+                Err(refusal) => Reply::Refused(refusal),
+            },
+            request => server.answer(request).unwrap_or_else(Reply::Refused),
+        };
+        port.reply(&reply)?;
+    }
+}
+
+/// What a `Load` left behind.
+struct Loaded {
+    bundle: PatchBundle,
+    profile: Profile,
+    params: Vec<(String, f64)>,
+    ics: Vec<(String, f64)>,
+    ordered: Ordered,
+    simulation: Simulation,
+    channels: Channels,
+}
+
+#[derive(Default)]
+struct Server {
+    loaded: Option<Loaded>,
+    fault: Option<String>,
+}
+
+impl Server {
+    fn answer(&mut self, request: Request) -> Result<Reply, String> {
+        match request {
+            Request::Hello { .. } => Err("the two sides have greeted each other already".into()),
+            Request::Load { bundle, params, profile } => {
+                self.loaded = None;
+                let loaded = Loaded::new(bundle, params, Vec::new(), profile)?;
+                let reply = Reply::Loaded {
+                    patch_hash: loaded.bundle.hash(),
+                    channels: loaded.channels.describe(&loaded.ordered.netlist),
+                };
+                self.loaded = Some(loaded);
+                Ok(reply)
+            }
+            Request::SetParams(values) => {
+                let old = self.loaded()?;
+                let mut params = old.params.clone();
+                for (name, value) in values {
+                    match params.iter_mut().find(|(n, _)| *n == name) {
+                        Some(entry) => entry.1 = value,
+                        None => params.push((name, value)),
+                    }
+                }
+                let mut new = Loaded::new(
+                    old.bundle.clone(),
+                    params,
+                    old.ics.clone(),
+                    old.profile.clone(),
+                )?;
+                new.channels.carry_over(&old.channels, &mut new.simulation);
+                new.settle()?;
+                self.loaded = Some(new);
+                Ok(Reply::Done)
+            }
+            Request::SetIcs(values) => {
+                let loaded = self.loaded()?;
+                for (name, value) in values {
+                    loaded.set_ic(&name, value)?;
+                    loaded.ics.retain(|(n, _)| *n != name);
+                    loaded.ics.push((name, value));
+                }
+                loaded.reset()?;
+                Ok(Reply::Done)
+            }
+            Request::Preset(values) => {
+                let loaded = self.loaded()?;
+                for (name, value) in values {
+                    loaded.channels.preset(&loaded.ordered.netlist, &name, value, &mut loaded.simulation)?;
+                }
+                loaded.settle()?;
+                Ok(Reply::Done)
+            }
+            Request::Read(names) => {
+                let loaded = self.loaded()?;
+                let netlist = &loaded.ordered.netlist;
+                let read = |name: &String| {
+                    netlist
+                        .nets
+                        .iter()
+                        .position(|n| n.name == *name)
+                        .map(|i| loaded.simulation.net(NetId(i as u32)))
+                        .ok_or_else(|| format!("the patch has no net `{name}` to read"))
+                };
+                names.iter().map(read).collect::<Result<_, _>>().map(Reply::Values)
+            }
+            Request::StaticCheck => {
+                let loaded = self.loaded()?;
+                loaded.reset()?;
+                let expected = loaded.ordered.netlist.expected.clone();
+                Ok(Reply::StaticCheck(loaded.simulation.static_check(&expected)))
+            }
+            Request::Diagnose => Ok(Reply::Diagnosis {
+                fault: self.fault.clone(),
+                overloads: self.loaded.as_ref().map(Loaded::overloads).unwrap_or_default(),
+            }),
+            Request::Operate(_) | Request::Bye => Err("not a request to be answered here".into()),
+        }
+    }
+
+    /// Runs one OPERATE period that was admitted.
+    fn run(&mut self, spec: &RunSpec, port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
+        let Some(loaded) = &mut self.loaded else {
+            return Ok(()); // never: `admit` asked for it
+        };
+        let fault = frame_cycle::run(spec, &mut loaded.simulation, &mut loaded.channels, port)?;
+        self.fault = fault.map(|f| f.to_string());
+        Ok(())
+    }
+
+    fn loaded(&mut self) -> Result<&mut Loaded, String> {
+        self.loaded.as_mut().ok_or_else(|| "no patch is loaded; load one first".into())
+    }
+
+    /// Whether a run may start as asked.
+    fn admit(&mut self, spec: &RunSpec) -> Result<(), String> {
+        let loaded = self.loaded()?;
+        let RunSpec { frame, latency, skew, stop, .. } = *spec;
+        if frame <= Tick::ZERO {
+            return Err(format!("frame period {frame} is not positive"));
+        }
+        if latency < Tick::ZERO || latency > frame {
+            return Err(format!("latency {latency} lies outside 0 … {frame} (one frame)"));
+        }
+        let scan = loaded.channels.scan_time(skew);
+        if skew < Tick::ZERO || scan > latency {
+            return Err(format!(
+                "the scan of the ADC channels takes {scan} (skew {skew} a channel), longer than the latency {latency}; raise the latency or lower the skew"
+            ));
+        }
+        if stop < Tick::ZERO {
+            return Err(format!("stop time {stop} is negative"));
+        }
+        if spec.from_ic {
+            loaded.reset()?;
+        }
+        self.fault = None;
+        Ok(())
+    }
+}
+
+impl Loaded {
+    fn new(
+        bundle: PatchBundle,
+        params: Vec<(String, f64)>,
+        ics: Vec<(String, f64)>,
+        profile: Profile,
+    ) -> Result<Loaded, String> {
+        let ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
+        crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
+        let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
+        let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
+        let mut loaded = Loaded { bundle, profile, params, ics: Vec::new(), ordered, simulation, channels };
+        for (name, value) in ics {
+            loaded.set_ic(&name, value)?;
+            loaded.ics.push((name, value));
+        }
+        loaded.reset()?;
+        Ok(loaded)
+    }
+
+    fn set_ic(&mut self, name: &str, value: f64) -> Result<(), String> {
+        if !value.is_finite() {
+            return Err(format!("the IC of `{name}` is {value}, not a finite number"));
+        }
+        let block = self
+            .ordered
+            .netlist
+            .blocks
+            .iter()
+            .position(|b| b.name == name && b.kind.is_store())
+            .ok_or_else(|| format!("the patch has no integrator `{name}` to set an IC of"))?;
+        self.simulation.set_ic(BlockId(block as u32), value);
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), String> {
+        self.simulation.reset().map_err(|f| f.to_string())
+    }
+
+    fn settle(&mut self) -> Result<(), String> {
+        self.simulation.apply().map_err(|f| f.to_string())
+    }
+
+    fn overloads(&self) -> Vec<Overload> {
+        self.simulation
+            .overloads()
+            .iter()
+            .map(|o| Overload {
+                block: self.ordered.netlist.blocks[o.block.index()].name.clone(),
+                time_s: o.time_s,
+                value: o.value,
+            })
+            .collect()
+    }
+}

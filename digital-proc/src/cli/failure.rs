@@ -1,0 +1,66 @@
+//! Why a command did not do what it was asked, with its exit code.
+
+use crate::{console::ConsoleFault, launch::LaunchFault};
+use interface::link::LinkFault;
+
+/// Exit code for a claim or check that failed.
+pub const CHECK_FAILED: u8 = 1;
+/// Exit code for bad input or usage.
+pub const BAD_INPUT: u8 = 2;
+/// Exit code for a failed partner process.
+pub const PARTNER_FAILED: u8 = 3;
+/// Exit code after an interrupt (128 + SIGINT).
+pub const INTERRUPTED: u8 = 130;
+
+/// A message for the terminal and an exit code.
+#[derive(Debug)]
+pub struct Failure {
+    /// Exit code.
+    pub code: u8,
+    /// What to print on standard error.
+    pub text: String,
+}
+
+impl Failure {
+    /// Bad input or usage.
+    pub fn input(error: impl std::fmt::Display) -> Failure {
+        Failure { code: BAD_INPUT, text: error.to_string() }
+    }
+
+    /// The same failure with a further line.
+    #[must_use]
+    pub fn and(mut self, line: impl std::fmt::Display) -> Failure {
+        self.text = format!("{}\n{line}", self.text.trim_end());
+        self
+    }
+}
+
+impl From<LinkFault> for Failure {
+    fn from(fault: LinkFault) -> Failure {
+        let code = match fault {
+            LinkFault::Interrupted { .. } => INTERRUPTED,
+            _ => PARTNER_FAILED,
+        };
+        Failure { code, text: fault.to_string() }
+    }
+}
+
+impl From<ConsoleFault> for Failure {
+    fn from(fault: ConsoleFault) -> Failure {
+        match fault {
+            ConsoleFault::Link(fault) => fault.into(),
+            ConsoleFault::WrongReply { .. } => Failure { code: PARTNER_FAILED, text: fault.to_string() },
+            other => Failure::input(other),
+        }
+    }
+}
+
+impl From<LaunchFault> for Failure {
+    fn from(fault: LaunchFault) -> Failure {
+        match fault {
+            LaunchFault::Link(fault) => fault.into(),
+            LaunchFault::Spawn(_) => Failure { code: PARTNER_FAILED, text: fault.to_string() },
+            LaunchFault::Session(fault) => Failure::input(fault),
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! `digital-proc fly`: one long-period flight.
+
+use super::{Context, Failure, LinkName, MachineArgs};
+use crate::{
+    console::Console,
+    executive::Rate,
+    flight::{self, AlphaPath, FlightFault, FlightPlan, trace},
+    flight_mode::FlightMode,
+    flight_summary::FlightSummary,
+    progress::Progress,
+    reference::FlightCase,
+    report::{FlightContext, Summary, flight_report},
+    run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
+    vehicle::Vehicle,
+    wind::{Wind, WindDirection},
+};
+use clap::ValueEnum;
+use interface::{Tick, profile::Profile};
+use std::{collections::BTreeMap, path::PathBuf, time::SystemTime};
+
+/// Rows in one batch of the trace: what a crash may cost.
+const BATCH_ROWS: usize = 64;
+
+/// Fly the first stage from lift-off to burn-out.
+#[derive(clap::Args)]
+pub struct Fly {
+    /// Mode of operation; a failure acts from --failure-at on
+    #[arg(long, value_parser = flight_mode, default_value = "normal", value_name = "MODE",
+          help = format!("Mode of operation: {}", FlightMode::ALL.map(FlightMode::name).join(", ")))]
+    mode: FlightMode,
+    /// Trajectory step, the slow frame of the digital side
+    #[arg(long, default_value = "100ms", value_name = "TIME")]
+    frame: Tick,
+    /// Fast frames (aerodynamic functions) in one trajectory step
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    fast: u64,
+    /// Latency from sample to transfer, at most one fast frame [default: the profile's]
+    #[arg(long, value_name = "TIME")]
+    latency: Option<Tick>,
+    /// Multiplexer skew between neighbouring ADC channels [default: the profile's]
+    #[arg(long, value_name = "TIME")]
+    skew: Option<Tick>,
+    /// Stop before burn-out
+    #[arg(long, value_name = "TIME")]
+    until: Option<Tick>,
+    /// Wind in the pitch plane, with its share across
+    #[arg(long, value_enum, default_value = "none")]
+    wind: WindName,
+    /// Thrust misalignment in pitch, as a fraction of 3 sigma
+    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
+    misalign_pitch: f64,
+    /// Thrust misalignment in yaw, as a fraction of 3 sigma
+    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
+    misalign_yaw: f64,
+    /// Wind and misalignments of the vehicle's design case for failure modes
+    #[arg(long, conflicts_with_all = ["wind", "misalign_pitch", "misalign_yaw"])]
+    design_case: bool,
+    /// When a failure mode begins
+    #[arg(long, default_value = "0s", value_name = "TIME")]
+    failure_at: Tick,
+    /// How the angle of attack reaches the rotational equations
+    #[arg(long, value_enum, default_value = "redundant")]
+    alpha: AlphaName,
+    /// Vehicle data set of your own [default: the shipped first stage]
+    #[arg(long, value_name = "FILE")]
+    vehicle: Option<PathBuf>,
+    /// Directory for runs; each run makes its own directory there
+    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    machine: MachineArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum WindName {
+    /// Calm
+    None,
+    /// The synthetic profile against the flight
+    Headwind,
+    /// The synthetic profile with the flight
+    Tailwind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum AlphaName {
+    /// Redundant analog integrator, corrected at the trajectory's rate
+    Redundant,
+    /// From the flight-path angle held over a trajectory step
+    Held,
+}
+
+fn flight_mode(text: &str) -> Result<FlightMode, String> {
+    FlightMode::from_name(text).ok_or_else(|| {
+        let names = FlightMode::ALL.map(FlightMode::name);
+        let nearest = names.iter().min_by_key(|n| strsim::damerau_levenshtein(n, text));
+        format!(
+            "no such mode; did you mean `{}`? The modes are {}",
+            nearest.unwrap_or(&""),
+            names.join(", ")
+        )
+    })
+}
+
+impl Fly {
+    pub fn execute(self, context: &Context) -> Result<(), Failure> {
+        let vehicle = match &self.vehicle {
+            Some(path) => Vehicle::load(path),
+            None => Vehicle::shipped(),
+        }
+        .map_err(Failure::input)?;
+        let plan = self.plan(&vehicle)?;
+        let started = UtcSecond::from_system(SystemTime::now());
+        let mut machine = self.machine.start(context)?;
+        let mut console = Console::new(machine.port());
+
+        let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode.name()), started)
+            .map_err(Failure::input)?;
+        let keep = |failure: Failure| {
+            failure.and(format!("what was recorded up to there is in {}", directory.path().display()))
+        };
+        let mut rows = directory
+            .create_trace(&trace::columns(), BATCH_ROWS)
+            .map_err(Failure::input)?;
+        let stop_s = plan.stop.secs();
+        let mut progress = Progress::new(stop_s as u64, "s of flight");
+        let mut samples = Vec::with_capacity(1 << 12);
+        let flown = flight::fly(&mut console, &vehicle, &plan, |frame, result| {
+            progress.at(result.sample.time_s as u64);
+            samples.push(result.sample);
+            rows.push(frame.tick, &trace::row(frame, result))
+                .map_err(|e| FlightFault::Observer(e.to_string()))
+        });
+        progress.done();
+        let record = self.record(&vehicle, &plan, started, console.patch_hash());
+        directory.write_record(&record).map_err(Failure::input)?;
+        let closed = rows.finish();
+        let summary = flown.map_err(|fault| keep(fault.into()))?;
+        closed.map_err(Failure::input)?;
+        let overloads = console.diagnose()?.overloads;
+        console.bye()?;
+        drop(machine);
+
+        let trace = directory.read_trace().map_err(Failure::input)?;
+        let results = results(&vehicle, &summary);
+        directory.write_summary(&results.json()).map_err(Failure::input)?;
+        let context = self.report_context(&vehicle);
+        let html = flight_report(&context, &results, &trace, &record).map_err(Failure::input)?;
+        let report = directory.write_report(&html).map_err(Failure::input)?;
+        if self.machine.json {
+            println!("{:#}", results.json());
+        } else {
+            println!("{}", context.title);
+            println!("{}", results.text());
+            for o in &overloads {
+                println!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value);
+            }
+            for (table, edge) in summary.edges.iter() {
+                println!("table edge: {} {edge:?}; its end value was held", table.label());
+            }
+            println!("report: {}", report.display());
+        }
+        Ok(())
+    }
+
+    fn report_context(&self, vehicle: &Vehicle) -> FlightContext {
+        let case = if self.design_case { "; wind and misalignments of the design case" } else { "" };
+        FlightContext {
+            title: format!("First-stage flight, mode {}{case}", self.mode.name()),
+            lead: "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.".into(),
+            q_alpha_limit_pa_rad: Some(vehicle.data().limits.q_alpha_padeg.to_radians()),
+            marks: Vec::new(),
+        }
+    }
+
+    fn plan(&self, vehicle: &Vehicle) -> Result<FlightPlan, Failure> {
+        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let mut case = if self.design_case {
+            FlightCase::design(vehicle, self.mode).map_err(Failure::input)?
+        } else {
+            let wind = match self.wind {
+                WindName::None => Wind::Calm,
+                WindName::Headwind => Wind::synthetic(vehicle, WindDirection::Head).map_err(Failure::input)?,
+                WindName::Tailwind => Wind::synthetic(vehicle, WindDirection::Tail).map_err(Failure::input)?,
+            };
+            FlightCase {
+                mode: self.mode,
+                wind,
+                pitch_misalignment: self.misalign_pitch,
+                yaw_misalignment: self.misalign_yaw,
+                ..FlightCase::undisturbed()
+            }
+        };
+        case.failure_start_s = self.failure_at.secs();
+        let finite = [case.pitch_misalignment, case.yaw_misalignment].iter().all(|m| m.is_finite());
+        if !finite {
+            return Err(Failure::input("--misalign-pitch and --misalign-yaw must be finite"));
+        }
+        let slow = Rate::every(self.fast)
+            .ok_or_else(|| Failure::input("--fast must be at least 1"))?;
+        let burn_out = Tick::from_secs(vehicle.data().mass.burn_time_s)
+            .ok_or_else(|| Failure::input("the vehicle's burn time is out of range"))?;
+        let fast_frame = slow.fast_period(self.frame).filter(|t| *t > Tick::ZERO).ok_or_else(|| {
+            Failure::input(format!(
+                "--frame {} is not {} fast frames of whole nanoseconds; choose another --frame or --fast",
+                self.frame, self.fast
+            ))
+        })?;
+        let latency = self.latency.unwrap_or_else(|| profile.latency().min(fast_frame));
+        Ok(FlightPlan {
+            case,
+            step: self.frame,
+            slow,
+            latency,
+            skew: self.skew.unwrap_or_else(|| profile.skew()),
+            stop: self.until.map_or(burn_out, |t| t.min(burn_out)),
+            alpha: match self.alpha {
+                AlphaName::Redundant => AlphaPath::Redundant,
+                AlphaName::Held => AlphaPath::Held,
+            },
+            profile,
+        })
+    }
+
+    fn record(
+        &self,
+        vehicle: &Vehicle,
+        plan: &FlightPlan,
+        started: UtcSecond,
+        patch_hash: &str,
+    ) -> RunRecord {
+        let mut parameters = toml::Table::new();
+        let mut set = |name: &str, value: toml::Value| parameters.insert(name.to_owned(), value);
+        set("mode", self.mode.name().into());
+        set("frame", plan.step.to_string().into());
+        set("fast", (self.fast as i64).into());
+        set("latency", plan.latency.to_string().into());
+        set("skew", plan.skew.to_string().into());
+        set("stop", plan.stop.to_string().into());
+        set("misalign-pitch", plan.case.pitch_misalignment.into());
+        set("misalign-yaw", plan.case.yaw_misalignment.into());
+        set("failure-at", plan.case.failure_start_s.into());
+        set("alpha", format!("{:?}", plan.alpha).to_lowercase().into());
+        let wind = match self.wind {
+            _ if self.design_case => "design-case",
+            WindName::None => "none",
+            WindName::Headwind => "headwind",
+            WindName::Tailwind => "tailwind",
+        };
+        set("wind", wind.into());
+        if let Ok(data) = toml::Value::try_from(vehicle.data()) {
+            set("vehicle", data);
+        }
+        let link = match (&self.machine.attach, self.machine.link) {
+            (Some(_), _) | (None, LinkName::Shm) => "shm",
+            (None, LinkName::Memory) => "memory",
+        };
+        RunRecord {
+            command: format!("fly {}", self.mode.name()),
+            command_line: std::env::args().collect(),
+            started: started.to_string(),
+            profile: plan.profile.name.clone(),
+            link: link.to_owned(),
+            versions: BTreeMap::from([(
+                "hybrid-computer".to_owned(),
+                env!("CARGO_PKG_VERSION").to_owned(),
+            )]),
+            patch: Some(PatchIdentity {
+                name: "long-period.toml".to_owned(),
+                sha256: patch_hash.to_owned(),
+            }),
+            seeds: BTreeMap::new(),
+            parameters,
+        }
+    }
+}
+
+impl From<FlightFault> for Failure {
+    fn from(fault: FlightFault) -> Failure {
+        match fault {
+            FlightFault::Console(fault) => fault.into(),
+            other => Failure::input(other),
+        }
+    }
+}
+
+/// The one-screen results of a flight.
+fn results(vehicle: &Vehicle, s: &FlightSummary) -> Summary {
+    let mut results = Summary::new();
+    let mut add = |key: &str, label: &str, value: f64, digits: usize, unit: &str, note: String| {
+        results.add(key, label, value, digits, unit, note);
+    };
+    let q = &s.max_dynamic_pressure;
+    let at = format!("at {:.1} s, Mach {:.2}, {:.2} km", q.time_s, q.mach, q.altitude_m / 1e3);
+    add("max_q_pa", "Maximum dynamic pressure", q.value, 5, "Pa", at);
+    add("max_q_time_s", "  its time", q.time_s, 4, "s", String::new());
+    add("max_q_mach", "  its Mach number", q.mach, 4, "", String::new());
+    add("max_q_altitude_m", "  its altitude", q.altitude_m, 5, "m", String::new());
+    let end = format!("at {:.2} s", s.end_time_s);
+    add("burn_out_velocity_m_s", "Burn-out velocity", s.end.speed_mps, 6, "m/s", end);
+    let gamma = s.end.path_angle_rad.to_degrees();
+    add("burn_out_flight_path_angle_deg", "Burn-out flight-path angle", gamma, 5, "deg", String::new());
+    add("burn_out_altitude_m", "Burn-out altitude", s.end.altitude_m, 6, "m", String::new());
+    add("burn_out_range_m", "Burn-out range", s.range_m, 6, "m", String::new());
+    let limit = vehicle.data().limits.q_alpha_padeg;
+    let margin = format!(
+        "at {:.1} s; {:.0} % of the limit {limit:.4e}",
+        s.max_q_alpha.time_s,
+        100.0 * s.max_q_alpha.value / limit
+    );
+    add("max_q_alpha_pa_deg", "Maximum Q alpha", s.max_q_alpha.value, 5, "Pa deg", margin);
+    add("max_roll_deg", "Maximum roll", s.max_roll_rad.to_degrees(), 4, "deg", String::new());
+    add("tvc_impulse_pitch_n_s", "TVC impulse, pitch", s.tvc_pitch_impulse_ns, 5, "N s", String::new());
+    add("tvc_impulse_yaw_n_s", "TVC impulse, yaw", s.tvc_yaw_impulse_ns, 5, "N s", String::new());
+    add("injectant_kg", "Injectant used", s.injectant_kg, 4, "kg", String::new());
+    results
+}

@@ -1,0 +1,104 @@
+//! The command line of `digital-proc`.
+//!
+//! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the
+//! partner process failed, 130 interrupted.
+
+mod failure;
+mod fly;
+
+pub use failure::Failure;
+
+use crate::launch::{AnalogEntry, LinkChoice, Started};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::{
+    process::ExitCode,
+    sync::{Arc, atomic::AtomicBool},
+};
+
+/// The digital processor: flies the first stage of a launch vehicle on a hybrid computer.
+///
+/// It starts its partner `analog-proc` by itself; always two processes, joined by shared memory.
+///
+///     digital-proc fly                      the normal long-period flight, 49 s
+///     digital-proc fly --mode roll-lost     with a failure of the roll control
+///     digital-proc list                     the runs so far
+#[derive(Parser)]
+#[command(name = "digital-proc", version, verbatim_doc_comment, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Fly the first stage: trajectory here, control dynamics on the analog side
+    Fly(fly::Fly),
+}
+
+/// The link between the two sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LinkName {
+    /// Two processes joined by shared memory
+    Shm,
+    /// One process, two threads; the same numbers to the last bit
+    Memory,
+}
+
+/// What every command that runs the machine takes.
+#[derive(Args)]
+struct MachineArgs {
+    /// How the two sides are joined
+    #[arg(long, value_enum, default_value = "shm", conflicts_with = "attach")]
+    link: LinkName,
+    /// Join the session of an `analog-proc serve --session NAME` that runs already
+    #[arg(long, value_name = "SESSION")]
+    attach: Option<String>,
+    /// Machine profile: ideal, paper-class, ad4, or a file
+    #[arg(long, default_value = "ideal")]
+    profile: String,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a command gets from the process it runs in.
+#[derive(Clone)]
+struct Context {
+    analog: AnalogEntry,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl MachineArgs {
+    fn start(&self, context: &Context) -> Result<Started, Failure> {
+        let link = match (&self.attach, self.link) {
+            (Some(session), _) => LinkChoice::Attach(session.clone()),
+            (None, LinkName::Shm) => LinkChoice::Shm,
+            (None, LinkName::Memory) => LinkChoice::Memory,
+        };
+        Ok(Started::new(&link, context.analog, context.interrupted.clone())?)
+    }
+}
+
+/// Runs `digital-proc` on this process' arguments.
+#[must_use]
+pub fn main(analog: AnalogEntry) -> ExitCode {
+    let cli = Cli::parse();
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        if let Err(error) = signal_hook::flag::register(signal, interrupted.clone()) {
+            eprintln!("cannot catch signal {signal}: {error}");
+            return ExitCode::from(failure::BAD_INPUT);
+        }
+    }
+    let context = Context { analog, interrupted };
+    let done = match cli.command {
+        Command::Fly(c) => c.execute(&context),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{}", failure.text.trim_end());
+            ExitCode::from(failure.code)
+        }
+    }
+}

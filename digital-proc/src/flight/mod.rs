@@ -1,0 +1,169 @@
+//! The long-period flight on the hybrid machine.
+//!
+//! Loads the stage's control system on the analog side, flies the trajectory on
+//! this one, and tells an observer of every frame. It writes no files.
+
+pub mod channels;
+mod law;
+pub mod trace;
+
+pub use channels::AttitudeSample;
+pub use law::FrameResult;
+
+use crate::{
+    console::{Console, ConsoleFault},
+    executive::Rate,
+    flight_summary::{FlightMonitor, FlightSummary},
+    reference::FlightCase,
+    trajectory::FlightError,
+    vehicle::Vehicle,
+};
+use channels::StageChannels;
+use interface::{
+    Tick,
+    control::{Clock, PatchBundle, RunSpec},
+    frame::{Samples, Updates},
+    profile::Profile,
+};
+use law::FlightLaw;
+
+/// How the angle of attack reaches the rotational equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AlphaPath {
+    /// By the redundant analog integrator, corrected at the trajectory's rate.
+    Redundant,
+    /// From the flight-path angle held over a trajectory step.
+    Held,
+}
+
+/// How a flight is run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlightPlan {
+    /// What is flown.
+    pub case: FlightCase,
+    /// Trajectory step (the slow frame).
+    pub step: Tick,
+    /// Fast frames in one step.
+    pub slow: Rate,
+    /// Total latency τ, at most one fast frame.
+    pub latency: Tick,
+    /// Multiplexer skew δ between ADC channels.
+    pub skew: Tick,
+    /// Where the flight ends.
+    pub stop: Tick,
+    /// How α reaches the rotational equations.
+    pub alpha: AlphaPath,
+    /// The machine.
+    pub profile: Profile,
+}
+
+/// Why a flight could not be flown to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum FlightFault {
+    /// The machine or its link.
+    #[error(transparent)]
+    Console(#[from] ConsoleFault),
+    /// The trajectory.
+    #[error("the trajectory cannot be continued: {0}")]
+    Trajectory(#[from] FlightError),
+    /// The plan's periods.
+    #[error("the trajectory step {step} is no multiple of {fast_frames} whole nanoseconds; choose another --frame or --fast")]
+    Periods {
+        /// Trajectory step.
+        step: Tick,
+        /// Fast frames in it.
+        fast_frames: u64,
+    },
+    /// The observer could not go on (a trace that cannot be written).
+    #[error("{0}")]
+    Observer(String),
+}
+
+/// The stage patch and its sub-patches, as shipped.
+#[must_use]
+pub fn stage_patch() -> PatchBundle {
+    let file = |name: &str, text: &str| (name.to_owned(), text.to_owned());
+    PatchBundle {
+        root: "long-period.toml".to_owned(),
+        files: vec![
+            file("long-period.toml", include_str!("../../../patch-files/long-period.toml")),
+            file("stage-gyro.toml", include_str!("../../../patch-files/stage-gyro.toml")),
+            file("fin-tip.toml", include_str!("../../../patch-files/fin-tip.toml")),
+        ],
+    }
+}
+
+/// The vehicle's numbers that the stage patch takes as parameters.
+fn parameters(vehicle: &Vehicle) -> Vec<(String, f64)> {
+    let data = vehicle.data();
+    [
+        ("delta_max", data.ftc.delta_max_deg.to_radians()),
+        ("rate_max", data.ftc.rate_max_dps.to_radians()),
+        ("inv_tau_f", 1.0 / data.ftc.time_constant_s),
+        ("tau_t", data.tvc.time_constant_s),
+        ("force_max", data.tvc.force_max_n),
+        ("wn", data.gyro.natural_frequency_radps),
+        ("zeta", data.gyro.damping_ratio),
+        ("filter_tau", 1.0 / data.bending.filter_corner_radps),
+        ("theta_0", data.pitch_programme.theta0_deg.to_radians()),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into()
+}
+
+/// Flies `plan` and tells `observe` of every frame.
+///
+/// # Errors
+/// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
+pub fn fly(
+    console: &mut Console<'_>,
+    vehicle: &Vehicle,
+    plan: &FlightPlan,
+    mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+) -> Result<FlightSummary, FlightFault> {
+    let frame = plan.slow.fast_period(plan.step).filter(|t| *t > Tick::ZERO).ok_or(
+        FlightFault::Periods { step: plan.step, fast_frames: plan.slow.fast_frames() },
+    )?;
+    console.load(stage_patch(), parameters(vehicle), plan.profile.clone())?;
+    let channels = StageChannels::resolve(console)?;
+    let make_law = || FlightLaw::new(vehicle, &plan.case, channels.clone(), plan.alpha, (plan.slow, plan.step));
+    let mut law = make_law();
+    let incidence = law.initial_incidence_rad();
+    console.set_ics(vec![("alpha_int".to_owned(), incidence)])?;
+    preset(console, make_law(), incidence, vehicle)?;
+
+    let spec = RunSpec {
+        frame,
+        latency: plan.latency,
+        skew: plan.skew,
+        stop: plan.stop,
+        from_ic: true,
+        clock: Clock::LockStep,
+    };
+    let mut monitor = FlightMonitor::new(vehicle);
+    console.operate(&spec, |samples: &Samples, updates: &mut Updates| {
+        let result = law.frame(samples, updates)?;
+        monitor.observe(&result.sample, result.edges);
+        observe(samples, &result)
+    })?;
+    monitor.finish().ok_or_else(|| FlightFault::Observer("the flight had no frame".into()))
+}
+
+/// Sets before OPERATE what the first updates will set again, so that with a
+/// latency the first instants do not run on zero coefficients.
+fn preset(
+    console: &mut Console<'_>,
+    mut law: FlightLaw<'_>,
+    incidence_rad: f64,
+    vehicle: &Vehicle,
+) -> Result<(), FlightFault> {
+    let mut samples = Samples::new(0, Tick::ZERO, interface::frame::RunState::Operate);
+    let adc = law.channels().adc.clone();
+    samples.adc[adc.adc_theta] = vehicle.data().pitch_programme.theta0_deg.to_radians();
+    samples.adc[adc.adc_alpha] = incidence_rad;
+    let mut updates = Updates::new(0, Tick::ZERO);
+    law.frame(&samples, &mut updates)?;
+    let presets = channels::as_presets(console, &updates);
+    console.preset(presets)?;
+    Ok(())
+}

@@ -1,0 +1,171 @@
+//! Starting the analog side, and making sure that it ends.
+//!
+//! The partner is this very executable in the analog role, so that it is never
+//! a stale build. A guard owns it: whatever happens, it is asked to end, then
+//! killed, and always reaped. With the memory link the same analog code runs in
+//! a thread of this process. With `--attach` somebody else's analog-proc is
+//! joined and left running.
+
+use interface::{
+    Side,
+    link::{
+        AnalogPort, DigitalPort, LinkFault, Patience, memory,
+        shm::ShmDigital,
+    },
+    session::{Session, SessionError},
+};
+use std::{
+    os::unix::process::CommandExt,
+    process::{Child, Command, ExitStatus, Stdio},
+    sync::{Arc, atomic::AtomicBool},
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+
+/// How long a partner that was told to end may take.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// The analog side as the root binary hands it in: the processors do not know each other.
+#[derive(Clone, Copy)]
+pub struct AnalogEntry {
+    /// Serves one session over a port.
+    pub serve: fn(&mut dyn AnalogPort) -> Result<(), LinkFault>,
+}
+
+/// Which link joins the two sides.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LinkChoice {
+    /// Two processes joined by shared memory.
+    Shm,
+    /// One process, two threads.
+    Memory,
+    /// Shared memory with an analog-proc that runs already.
+    Attach(String),
+}
+
+/// Why the analog side could not be started or joined.
+#[derive(Debug, thiserror::Error)]
+pub enum LaunchFault {
+    /// The session could not be made or joined.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    /// The link could not be opened.
+    #[error(transparent)]
+    Link(#[from] LinkFault),
+    /// The process could not be started.
+    #[error("cannot start analog-proc: {0}")]
+    Spawn(#[source] std::io::Error),
+}
+
+/// A started machine: the digital end of its link and whatever must end with it.
+pub struct Started {
+    // Field order is drop order: the port closes before the partner is awaited.
+    port: Box<dyn DigitalPort>,
+    partner: Partner,
+}
+
+enum Partner {
+    Process(Guard),
+    Thread(Option<JoinHandle<()>>),
+    Foreign(#[allow(dead_code)] Session),
+}
+
+impl Started {
+    /// Starts or joins the analog side.
+    ///
+    /// # Errors
+    /// [`LaunchFault`] when there is no session, process or link to be had.
+    pub fn new(
+        link: &LinkChoice,
+        analog: AnalogEntry,
+        interrupted: Arc<AtomicBool>,
+    ) -> Result<Started, LaunchFault> {
+        let patience = Patience::interrupted_by(interrupted);
+        match link {
+            LinkChoice::Memory => {
+                let (mut far, near) = memory::pair_with(&patience);
+                // Its error is this side's error too: a dead partner.
+                let thread = std::thread::Builder::new()
+                    .name("analog-proc".into())
+                    .spawn(move || drop((analog.serve)(&mut far)))
+                    .map_err(LaunchFault::Spawn)?;
+                Ok(Started { port: Box::new(near), partner: Partner::Thread(Some(thread)) })
+            }
+            LinkChoice::Shm => {
+                let session = Session::create(Side::Digital, None)?;
+                let child = Command::new("/proc/self/exe")
+                    .arg0("analog-proc")
+                    .args(["serve", "--session", session.name(), "--joined"])
+                    // A Ctrl-C in the terminal is for the digital side, which ends both.
+                    .process_group(0)
+                    .stdin(Stdio::null())
+                    .stdout(Stdio::null())
+                    .spawn()
+                    .map_err(LaunchFault::Spawn)?;
+                let guard = Guard { child, session: session.clone() };
+                let port = ShmDigital::open(&session, Some(guard.child.id()), &patience)?;
+                Ok(Started { port: Box::new(port), partner: Partner::Process(guard) })
+            }
+            LinkChoice::Attach(name) => {
+                let session = Session::join(Side::Digital, name)?;
+                let port = ShmDigital::open(&session, None, &patience)?;
+                Ok(Started { port: Box::new(port), partner: Partner::Foreign(session) })
+            }
+        }
+    }
+
+    /// The digital end of the link.
+    pub fn port(&mut self) -> &mut dyn DigitalPort {
+        self.port.as_mut()
+    }
+
+    /// Pid of the analog process, if this side started it.
+    #[must_use]
+    pub fn partner_pid(&self) -> Option<u32> {
+        match &self.partner {
+            Partner::Process(guard) => Some(guard.child.id()),
+            _ => None,
+        }
+    }
+}
+
+/// Owns the partner process: on drop it is awaited, killed if it lingers, and reaped.
+struct Guard {
+    child: Child,
+    #[allow(dead_code)] // dropped after the child, so that the last trace is removed here
+    session: Session,
+}
+
+impl Guard {
+    fn wait(&mut self, patience: Duration) -> Option<ExitStatus> {
+        let deadline = Instant::now() + patience;
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => return Some(status),
+                Ok(None) if Instant::now() < deadline => {
+                    std::thread::sleep(Duration::from_micros(200));
+                }
+                _ => return None,
+            }
+        }
+    }
+}
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        if self.wait(FAREWELL).is_none() {
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+    }
+}
+
+impl Drop for Partner {
+    fn drop(&mut self) {
+        if let Partner::Thread(thread) = self
+            && let Some(thread) = thread.take()
+        {
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Tests of the reference flight: figures of the data set, step-size and
+//! partition errors, and the failure study.
+
+use super::*;
+use crate::slice;
+use crate::wind::WindDirection;
+
+/// Rate at which the tests fly, 1/s.
+const RATE: u32 = LEAST_STEPS_PER_SECOND;
+
+fn design_flight(vehicle: &Vehicle, mode: FlightMode, misalignment: f64) -> FlightSummary {
+    let mut case = FlightCase::design(vehicle, mode).unwrap();
+    case.pitch_misalignment = misalignment;
+    fly(vehicle, &case, RATE, |_| {}).unwrap()
+}
+
+#[test]
+fn the_undisturbed_flight_has_the_published_figures() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let flight = fly(&vehicle, &FlightCase::undisturbed(), RATE, |_| {}).unwrap();
+    let peak = flight.max_dynamic_pressure;
+    // Known figures are "95 kPa, 32 s, Mach 2.2, 9.7 km; 67°, 23.6 km": half a
+    // unit of the last digit each.
+    assert!((peak.value / 1e3 - 95.0).abs() < 0.5, "{peak:?}");
+    assert!((peak.time_s - 32.0).abs() < 0.5, "{peak:?}");
+    assert!((peak.mach - 2.2).abs() < 0.05, "{peak:?}");
+    assert!((peak.altitude_m / 1e3 - 9.7).abs() < 0.05, "{peak:?}");
+    assert!(
+        (flight.end.path_angle_rad.to_degrees() - 67.0).abs() < 0.5,
+        "{flight:?}"
+    );
+    assert!(
+        (flight.end.altitude_m / 1e3 - 23.6).abs() < 0.05,
+        "{flight:?}"
+    );
+    // "1053 m/s" is met by the point-mass flight, half a unit; with its loops
+    // the vehicle follows the programme late, climbs 0.2° steeper and pays for
+    // it by less than 0.2 % of its speed.
+    let point_mass = slice::points(&vehicle, &[("end", 49.0)]).unwrap()[0].trajectory;
+    assert!(
+        (point_mass.speed_mps - 1053.0).abs() < 0.5,
+        "{point_mass:?}"
+    );
+    assert!((flight.end.speed_mps / point_mass.speed_mps - 1.0).abs() < 2e-3);
+    assert!(flight.edges.is_empty());
+    assert_eq!(flight.end_time_s, 49.0);
+}
+
+#[test]
+fn one_millisecond_is_fine_enough() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let case = FlightCase::design(&vehicle, FlightMode::Normal).unwrap();
+    let coarse = fly(&vehicle, &case, RATE, |_| {}).unwrap();
+    let fine = fly(&vehicle, &case, 2 * RATE, |_| {}).unwrap();
+    // A corner (limiter, dead zone, wind breakpoint) inside a step h leaves a
+    // local error of order h²·jump of the rate: an angular acceleration jumps
+    // by less than 1 rad/s³·h, so each of some hundred corners leaves less than
+    // 1e-6·1e-3 rad; over 49 s at 1000 m/s that is under 1e-7·1e5 m = 1 cm.
+    assert!((coarse.end.altitude_m - fine.end.altitude_m).abs() < 1e-2);
+    assert!((coarse.end.speed_mps - fine.end.speed_mps).abs() < 1e-4);
+    // The peak lies between samples: half a step of a load that changes by at
+    // most the gust's edge, 8 m/s in 30 m at 650 m/s (7e5·1.2e-2/0.05 Pa·deg/s
+    // ≈ 2e5…2e6), 1e-3 s.
+    assert!((coarse.max_q_alpha.value - fine.max_q_alpha.value).abs() < 2e3);
+}
+
+#[test]
+fn the_partition_error_is_first_order_and_halved_by_extrapolation() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let case = FlightCase::undisturbed();
+    let exact = fly(&vehicle, &case, RATE, |_| {}).unwrap().end.to_array();
+    let error = |steps: u32, stages: StagePitch| -> [f64; 4] {
+        let flight = fly_partitioned(&vehicle, &case, RATE, steps, stages, |_| {}).unwrap();
+        let end = flight.end.to_array();
+        std::array::from_fn(|i| end[i] - exact[i])
+    };
+    let (whole, half) = (error(100, StagePitch::Held), error(50, StagePitch::Held));
+    let carried = error(100, StagePitch::Extrapolated);
+    for i in 0..4 {
+        // Order 1, in the customary band of ±0.2 for a measured order.
+        let order = (whole[i] / half[i]).log2();
+        assert!((order - 1.0).abs() < 0.2, "{i}: {whole:?} {half:?}");
+        // Two lags of T/2 each, that of θ in the stages and that of the held
+        // θ_c and γ_air: extrapolation removes the first. They are equal to
+        // second order in T, so a half within T·(fastest rate of the
+        // programme's changes, about 1/s) = 0.1.
+        let left = carried[i] / whole[i];
+        assert!((left - 0.5).abs() < 0.1, "{i}: {left}");
+    }
+}
+
+#[test]
+fn with_frames_of_one_step_the_partition_tends_to_the_reference() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let case = FlightCase::design(&vehicle, FlightMode::TipsDead).unwrap();
+    let exact = fly(&vehicle, &case, RATE, |_| {}).unwrap();
+    let frame = |steps| {
+        let flight =
+            fly_partitioned(&vehicle, &case, RATE, steps, StagePitch::Held, |_| {}).unwrap();
+        (flight.end.altitude_m - exact.end.altitude_m).abs()
+    };
+    // First order over a factor of 100 in T, order within ±0.2.
+    let order = (frame(100) / frame(1)).log10() / 2.0;
+    assert!((order - 1.0).abs() < 0.2, "{order}");
+}
+
+#[test]
+fn every_failure_keeps_an_acceptable_trajectory_in_the_design_case() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let accept = &vehicle.data().long_period_case;
+    let nominal = fly(&vehicle, &FlightCase::undisturbed(), RATE, |_| {}).unwrap();
+    for mode in FlightMode::ALL {
+        let flight = design_flight(&vehicle, mode, accept.misalign_pitch);
+        let speed = flight.end.speed_mps / nominal.end.speed_mps - 1.0;
+        let angle = flight.end.path_angle_rad - nominal.end.path_angle_rad;
+        let altitude = flight.end.altitude_m / nominal.end.altitude_m - 1.0;
+        let range_m = flight.range_m - nominal.range_m;
+        assert!(
+            speed.abs() <= accept.accept_speed_fraction,
+            "{mode:?}: {speed}"
+        );
+        assert!(
+            angle.abs().to_degrees() <= accept.accept_dgam_deg,
+            "{mode:?}: {angle}"
+        );
+        assert!(
+            altitude.abs() <= accept.accept_altitude_fraction,
+            "{mode:?}: {altitude}"
+        );
+        assert!(
+            range_m.abs() <= 1e3 * accept.accept_drange_km,
+            "{mode:?}: {range_m}"
+        );
+    }
+}
+
+#[test]
+fn in_a_headwind_one_mode_alone_exceeds_the_load_limit() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let limit = vehicle.data().limits.q_alpha_padeg;
+    let exceeding = |misalignments: &[f64]| -> Vec<FlightMode> {
+        FlightMode::ALL
+            .into_iter()
+            .filter(|&mode| {
+                misalignments
+                    .iter()
+                    .any(|&m| design_flight(&vehicle, mode, m).max_q_alpha.value > limit)
+            })
+            .collect()
+    };
+    // Pointwise at the design case and both ends of −0.5…0 …
+    for misalignment in [-0.5, -0.2, 0.0] {
+        assert_eq!(
+            exceeding(&[misalignment]),
+            [FlightMode::FtcElectronics],
+            "{misalignment}"
+        );
+    }
+    // … and over the envelope, whose ends are its worst for the other modes.
+    assert_eq!(exceeding(&[-1.0, -0.2, 1.0]), [FlightMode::FtcElectronics]);
+}
+
+#[test]
+fn in_a_tailwind_the_single_violation_does_not_hold() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let limit = vehicle.data().limits.q_alpha_padeg;
+    let exceeds = |mode| {
+        let mut case = FlightCase::design(&vehicle, mode).unwrap();
+        case.wind = Wind::synthetic(&vehicle, WindDirection::Tail).unwrap();
+        fly(&vehicle, &case, RATE, |_| {})
+            .unwrap()
+            .max_q_alpha
+            .value
+            > limit
+    };
+    assert!(exceeds(FlightMode::TipsDead));
+    assert!(exceeds(FlightMode::RollLost));
+}
+
+#[test]
+fn a_later_failure_leaves_the_flight_before_it_untouched() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let record = |failure_start_s: f64, mode| {
+        let mut case = FlightCase::design(&vehicle, mode).unwrap();
+        case.failure_start_s = failure_start_s;
+        let mut seen = Vec::new();
+        fly(&vehicle, &case, RATE, |s| seen.push(*s)).unwrap();
+        seen
+    };
+    let sound = record(0.0, FlightMode::Normal);
+    let failed = record(30.0, FlightMode::FtcElectronics);
+    // Bit-equal up to and including the sample at which the failure sets in.
+    let parts = sound.iter().zip(&failed).position(|(a, b)| a != b).unwrap();
+    assert!(
+        sound[parts].time_s > 30.0 && sound[parts].time_s < 30.1,
+        "{}",
+        sound[parts].time_s
+    );
+}
+
+#[test]
+fn settings_that_cannot_be_flown_are_refused() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let case = FlightCase::undisturbed();
+    assert!(matches!(
+        fly(&vehicle, &case, 999, |_| {}),
+        Err(FlightError::BadSetting { .. })
+    ));
+    let frames = fly_partitioned(&vehicle, &case, RATE, 0, StagePitch::Held, |_| {});
+    assert!(matches!(frames, Err(FlightError::BadSetting { .. })));
+}
+
+#[test]
+fn an_uncontrolled_vehicle_ends_in_numbers_or_an_error_not_a_panic() {
+    let mut data = Vehicle::shipped().unwrap().data().clone();
+    for gains in [&mut data.gains.tvc_gain_npdeg, &mut data.gains.ftc_gain] {
+        gains.iter_mut().for_each(|g| *g = 0.0);
+    }
+    let vehicle = Vehicle::from_data(data).unwrap();
+    let case = FlightCase::design(&vehicle, FlightMode::Normal).unwrap();
+    match fly(&vehicle, &case, RATE, |_| {}) {
+        Ok(flight) => assert!(flight.end.to_array().iter().all(|v| v.is_finite())),
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}

@@ -1,0 +1,211 @@
+//! The runs under a base directory, and which of them a user means.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::{RECORD_FILE, RunDirError, RunDirectory, SUMMARY_FILE};
+
+/// How far a run got, told by the files that it left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RunState {
+    /// It wrote its summary.
+    Complete,
+    /// It is still going, or was cut off.
+    Unfinished,
+}
+
+/// One line of the list.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RunEntry {
+    /// The directory's name.
+    pub name: String,
+    /// The directory.
+    pub path: PathBuf,
+    /// The command, or what is wrong with the record.
+    pub command: String,
+    /// When it started; empty when the record cannot be read.
+    pub started: String,
+    /// How far it got.
+    pub state: RunState,
+}
+
+/// The runs under `base`, oldest first (names begin with the time). No base: no runs.
+/// Directories without `run.toml` are passed over.
+///
+/// # Errors
+/// The base exists but cannot be read.
+pub fn list_runs(base: &Path) -> Result<Vec<RunEntry>, RunDirError> {
+    Ok(names(base)?
+        .into_iter()
+        .map(|name| {
+            let path = base.join(&name);
+            let state = if path.join(SUMMARY_FILE).is_file() {
+                RunState::Complete
+            } else {
+                RunState::Unfinished
+            };
+            let record = RunDirectory::open(&path).and_then(|run| run.read_record());
+            let (command, started) = match record {
+                Ok(record) => (record.command, record.started),
+                Err(error) => (format!("({error})").replace('\n', " "), String::new()),
+            };
+            RunEntry {
+                name,
+                path,
+                command,
+                started,
+                state,
+            }
+        })
+        .collect())
+}
+
+/// The run that `text` names: a path, a name under `base`, `last`, or a prefix of exactly
+/// one name.
+///
+/// # Errors
+/// None or several answer to it.
+pub fn resolve(base: &Path, text: &str) -> Result<RunDirectory, RunDirError> {
+    let as_path = Path::new(text);
+    if as_path.components().count() > 1 || as_path.is_absolute() {
+        return RunDirectory::open(as_path);
+    }
+    let names = names(base)?;
+    if names.iter().any(|name| name == text) {
+        return RunDirectory::open(&base.join(text));
+    }
+    if as_path.join(RECORD_FILE).is_file() {
+        return RunDirectory::open(as_path);
+    }
+    if text == "last"
+        && let Some(name) = names.last()
+    {
+        return RunDirectory::open(&base.join(name));
+    }
+    let candidates: Vec<&String> = names
+        .iter()
+        .filter(|name| !text.is_empty() && name.starts_with(text))
+        .collect();
+    match candidates.as_slice() {
+        [one] => RunDirectory::open(&base.join(one)),
+        [] => Err(RunDirError::NoSuchRun {
+            name: text.to_owned(),
+            base: base.to_owned(),
+            nearest: names
+                .iter()
+                .map(|name| (strsim::jaro_winkler(text, name), name))
+                .filter(|(likeness, _)| *likeness > 0.8)
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, name)| name.clone()),
+        }),
+        several => Err(RunDirError::Ambiguous {
+            name: text.to_owned(),
+            candidates: several.iter().take(6).map(|name| (*name).clone()).collect(),
+        }),
+    }
+}
+
+/// Sorted names of the run directories under `base`.
+fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
+    let fail = |cause| RunDirError::Base {
+        path: base.to_owned(),
+        cause,
+    };
+    let entries = match fs::read_dir(base) {
+        Ok(entries) => entries,
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(cause) => return Err(fail(cause)),
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(fail)?;
+        if entry.path().join(RECORD_FILE).is_file() {
+            names.push(entry.file_name().to_string_lossy().into_owned());
+        }
+    }
+    names.sort_by_key(|name| chronological(name));
+    Ok(names)
+}
+
+/// Sorting key: the name with a trailing serial number set apart, so that `-10` follows `-9`.
+fn chronological(name: &str) -> (String, u64) {
+    match name.rsplit_once('-') {
+        Some((stem, serial)) if stem.len() > 19 => match serial.parse() {
+            Ok(serial) => (stem.to_owned(), serial),
+            Err(_) => (name.to_owned(), 1),
+        },
+        _ => (name.to_owned(), 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::record::tests::sample;
+    use super::super::{RunDirectory, UtcSecond};
+    use super::*;
+
+    fn base_with(commands: &[(&str, i64)]) -> tempfile::TempDir {
+        let base = tempfile::tempdir().unwrap();
+        for (command, second) in commands {
+            let run = RunDirectory::create(base.path(), command, UtcSecond(*second)).unwrap();
+            run.write_record(&sample()).unwrap();
+        }
+        base
+    }
+
+    #[test]
+    fn runs_are_listed_in_order_with_their_state() {
+        let mut runs = vec![("circle", 5)];
+        runs.extend(std::iter::repeat_n(("fly", 86_400), 11));
+        let base = base_with(&runs);
+        std::fs::create_dir(base.path().join("not-a-run")).unwrap();
+        let last = resolve(base.path(), "last").unwrap();
+        last.write_summary(&1).unwrap();
+        let list = list_runs(base.path()).unwrap();
+        assert_eq!(list.len(), 12);
+        assert_eq!(list[0].name, "1970-01-01T00-00-05-circle");
+        assert_eq!(list[11].name, "1970-01-02T00-00-00-fly-11");
+        assert_eq!(list[11].state, RunState::Complete);
+        assert_eq!(list[10].state, RunState::Unfinished);
+        assert!(
+            list_runs(Path::new("/nonexistent/runs"))
+                .unwrap()
+                .is_empty()
+        );
+    }
+
+    #[test]
+    fn a_run_is_found_by_name_path_or_unique_prefix() {
+        let base = base_with(&[("fly", 0), ("fly", 0), ("root", 60)]);
+        let path = base.path().join("1970-01-01T00-01-00-root");
+        for text in [
+            "1970-01-01T00-01-00-root",
+            "1970-01-01T00-01",
+            path.to_str().unwrap(),
+        ] {
+            assert_eq!(resolve(base.path(), text).unwrap().path(), path);
+        }
+        // A name that is also a prefix of another is itself.
+        let exact = resolve(base.path(), "1970-01-01T00-00-00-fly").unwrap();
+        assert_eq!(exact.name(), "1970-01-01T00-00-00-fly");
+        assert!(matches!(
+            resolve(base.path(), "1970"),
+            Err(RunDirError::Ambiguous { candidates, .. }) if candidates.len() == 3
+        ));
+        let error = resolve(base.path(), "1970-01-01T00-01-00-rot").unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .contains("did you mean `1970-01-01T00-01-00-root`")
+        );
+        assert!(matches!(
+            resolve(base.path(), "./nowhere"),
+            Err(RunDirError::NotARun { .. })
+        ));
+        assert!(resolve(base.path(), "").is_err());
+    }
+}

@@ -1,0 +1,312 @@
+//! The directory that a run leaves behind, and everything read back from it.
+//!
+//! A run writes `run.toml` (what is needed to repeat it), `trace.arrow` (its columns
+//! against problem time), `summary.json` and `report.html`. The directory is claimed by
+//! one exclusive `mkdir`, so any number of runs may start in the same instant. Small
+//! files are written beside their name and renamed, so that a killed run leaves each of
+//! them whole or absent; the trace is a stream, readable up to its last complete batch.
+//!
+//! It reads no clock (the start time is an argument), interprets no column, and never
+//! writes into a directory that another run has claimed.
+
+mod error;
+mod export;
+mod list;
+mod record;
+mod trace;
+mod trace_reader;
+mod utc;
+
+pub use error::{RunDirError, TraceError};
+pub use export::write_csv;
+pub use list::{RunEntry, RunState, list_runs, resolve};
+pub use record::{PatchIdentity, RunRecord, Seed};
+pub use trace::{Column, TraceWriter};
+pub use trace_reader::Trace;
+pub use utc::UtcSecond;
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+/// Where runs are kept unless the user says otherwise.
+pub const DEFAULT_BASE: &str = "runs";
+/// What is needed to repeat the run.
+pub const RECORD_FILE: &str = "run.toml";
+/// The columnar trace.
+pub const TRACE_FILE: &str = "trace.arrow";
+/// The results in short; present only once the run has ended.
+pub const SUMMARY_FILE: &str = "summary.json";
+/// The self-contained report.
+pub const REPORT_FILE: &str = "report.html";
+
+/// More runs of one command in one second than this are refused.
+const MOST_NAMESAKES: u32 = 100_000;
+
+/// One run's directory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunDirectory {
+    path: PathBuf,
+}
+
+impl RunDirectory {
+    /// Claims a new directory `BASE/2026-03-01T12-34-56-COMMAND`, adding `-2`, `-3`, … when
+    /// the name is taken. Characters of `command` outside `[A-Za-z0-9._]` become hyphens.
+    ///
+    /// # Errors
+    /// The base cannot be created or written to.
+    pub fn create(
+        base: &Path,
+        command: &str,
+        started: UtcSecond,
+    ) -> Result<RunDirectory, RunDirError> {
+        fs::create_dir_all(base).map_err(|cause| RunDirError::Base {
+            path: base.to_owned(),
+            cause,
+        })?;
+        let stem = format!("{}-{}", started.file_name(), slug(command));
+        for serial in 1..=MOST_NAMESAKES {
+            let name = match serial {
+                1 => stem.clone(),
+                n => format!("{stem}-{n}"),
+            };
+            let path = base.join(name);
+            match fs::create_dir(&path) {
+                Ok(()) => return Ok(RunDirectory { path }),
+                Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(cause) => {
+                    return Err(RunDirError::Base {
+                        path: base.to_owned(),
+                        cause,
+                    });
+                }
+            }
+        }
+        Err(RunDirError::TooManyNamesakes {
+            path: base.join(stem),
+        })
+    }
+
+    /// The directory of an existing run.
+    ///
+    /// # Errors
+    /// `path` is no directory or holds no `run.toml`.
+    pub fn open(path: &Path) -> Result<RunDirectory, RunDirError> {
+        if path.join(RECORD_FILE).is_file() {
+            return Ok(RunDirectory {
+                path: path.to_owned(),
+            });
+        }
+        Err(RunDirError::NotARun {
+            path: path.to_owned(),
+        })
+    }
+
+    /// The directory itself.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its last component, by which the user names the run.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.path
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+            .unwrap_or_default()
+    }
+
+    /// Path of a file in it.
+    #[must_use]
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Writes `run.toml`.
+    ///
+    /// # Errors
+    /// The file cannot be written, or the record holds what TOML cannot (see [`RunRecord`]).
+    pub fn write_record(&self, record: &RunRecord) -> Result<(), RunDirError> {
+        let text = record
+            .to_toml()
+            .map_err(|cause| RunDirError::UnwritableRecord {
+                path: self.file(RECORD_FILE),
+                cause,
+            })?;
+        self.write_file(RECORD_FILE, text.as_bytes())
+    }
+
+    /// Reads `run.toml` back.
+    ///
+    /// # Errors
+    /// The file is missing or is not such a record; the parser's message has the line.
+    pub fn read_record(&self) -> Result<RunRecord, RunDirError> {
+        let path = self.file(RECORD_FILE);
+        let text = self.read_file(RECORD_FILE)?;
+        toml::from_str(&text).map_err(|cause| RunDirError::BadRecord { path, cause })
+    }
+
+    /// Writes `summary.json`, indented. Its presence says that the run ended by itself.
+    ///
+    /// # Errors
+    /// The file cannot be written or `summary` cannot be JSON.
+    pub fn write_summary(&self, summary: &impl Serialize) -> Result<(), RunDirError> {
+        let mut text =
+            serde_json::to_string_pretty(summary).map_err(|cause| RunDirError::BadSummary {
+                path: self.file(SUMMARY_FILE),
+                cause,
+            })?;
+        text.push('\n');
+        self.write_file(SUMMARY_FILE, text.as_bytes())
+    }
+
+    /// Reads `summary.json` back.
+    ///
+    /// # Errors
+    /// The file is missing or no JSON.
+    pub fn read_summary(&self) -> Result<serde_json::Value, RunDirError> {
+        let path = self.file(SUMMARY_FILE);
+        let text = self.read_file(SUMMARY_FILE)?;
+        serde_json::from_str(&text).map_err(|cause| RunDirError::BadSummary { path, cause })
+    }
+
+    /// Writes `report.html`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_report(&self, html: &str) -> Result<PathBuf, RunDirError> {
+        self.write_file(REPORT_FILE, html.as_bytes())?;
+        Ok(self.file(REPORT_FILE))
+    }
+
+    /// Starts the trace `trace.arrow`.
+    ///
+    /// # Errors
+    /// As [`TraceWriter::new`], or the file cannot be created.
+    pub fn create_trace(
+        &self,
+        columns: &[Column],
+        rows_per_batch: usize,
+    ) -> Result<TraceWriter<File>, TraceError> {
+        let path = self.file(TRACE_FILE);
+        let file = File::create(&path).map_err(|cause| TraceError::Io {
+            path: path.clone(),
+            cause,
+        })?;
+        TraceWriter::new(file, &path, columns, rows_per_batch)
+    }
+
+    /// Reads `trace.arrow` up to its last complete batch.
+    ///
+    /// # Errors
+    /// As [`Trace::read`].
+    pub fn read_trace(&self) -> Result<Trace, TraceError> {
+        Trace::read(&self.file(TRACE_FILE))
+    }
+
+    /// Writes any further small file whole or not at all.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_file(&self, name: &str, bytes: &[u8]) -> Result<(), RunDirError> {
+        let path = self.file(name);
+        let partial = self.file(&format!(".{name}.partial"));
+        let write = || {
+            File::create(&partial)?.write_all(bytes)?;
+            fs::rename(&partial, &path)
+        };
+        write().map_err(|cause| RunDirError::Write { path, cause })
+    }
+
+    fn read_file(&self, name: &str) -> Result<String, RunDirError> {
+        let path = self.file(name);
+        fs::read_to_string(&path).map_err(|cause| RunDirError::Read { path, cause })
+    }
+}
+
+/// A command as part of a directory's name.
+fn slug(command: &str) -> String {
+    let mut slug = String::with_capacity(command.len());
+    for c in command.chars().take(80) {
+        if c.is_ascii_alphanumeric() || c == '.' || c == '_' {
+            slug.push(c);
+        } else if !slug.ends_with('-') {
+            slug.push('-');
+        }
+    }
+    let slug = slug.trim_matches(['-', '.']);
+    if slug.is_empty() {
+        "run".to_owned()
+    } else {
+        slug.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn fifty_runs_that_start_in_one_second_get_a_directory_each() {
+        let base = tempfile::tempdir().unwrap();
+        let start = std::sync::Barrier::new(50);
+        let names: BTreeSet<PathBuf> = std::thread::scope(|scope| {
+            let runs: Vec<_> = (0..50)
+                .map(|_| {
+                    scope.spawn(|| {
+                        start.wait();
+                        let base = base.path().join("deep").join("runs");
+                        RunDirectory::create(&base, "fly normal", UtcSecond(1_772_368_496))
+                            .unwrap()
+                            .path()
+                            .to_owned()
+                    })
+                })
+                .collect();
+            runs.into_iter().map(|run| run.join().unwrap()).collect()
+        });
+        assert_eq!(names.len(), 50);
+        assert!(names.iter().all(|path| path.is_dir()));
+    }
+
+    #[test]
+    fn a_commands_name_cannot_leave_the_base() {
+        for (command, expected) in [
+            ("fly --mode normal", "fly-mode-normal"),
+            ("../../etc", "etc"),
+            ("", "run"),
+            ("é/∂", "run"),
+        ] {
+            assert_eq!(slug(command), expected, "{command}");
+        }
+    }
+
+    #[test]
+    fn an_unwritable_base_is_named() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = RunDirectory::create(file.path(), "fly", UtcSecond(0)).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.contains(&file.path().display().to_string()) && text.contains("--out"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn summary_reads_back() {
+        let base = tempfile::tempdir().unwrap();
+        let run = RunDirectory::create(base.path(), "fly", UtcSecond(0)).unwrap();
+        run.write_summary(&serde_json::json!({"max_q_pa": 95_000.5}))
+            .unwrap();
+        assert_eq!(run.read_summary().unwrap()["max_q_pa"], 95_000.5);
+        assert!(matches!(
+            RunDirectory::open(run.path()),
+            Err(RunDirError::NotARun { .. })
+        ));
+    }
+}

@@ -1,0 +1,204 @@
+//! The vehicle: its data set, read, validated and made ready for look-up.
+//!
+//! The shipped set (`data/vehicle.toml`) is embedded, so that the program needs
+//! no file; a user's own file is read by [`Vehicle::load`] or, from a text,
+//! [`Vehicle::from_toml`]. Studies that disperse parameters change a copy of
+//! [`VehicleData`] and rebuild by [`Vehicle::from_data`], which validates again.
+//! A faulty set yields no vehicle: all its faults are reported instead.
+
+mod aero;
+mod check;
+mod data;
+mod fault;
+mod mass;
+mod thrust;
+
+use std::path::Path;
+
+pub use aero::{AeroCoefficients, AeroTables};
+pub use data::{
+    Aero, Bending, Component, Derived, DesignedGains, Disturbance, Ftc, Geometry, Gyro, Imu,
+    Limits, LongPeriodCase, Mass, PitchProgrammeData, ScheduleData, Site, Thrust, Tvc, VehicleData,
+    WindData, WindStatistics,
+};
+pub use fault::{VehicleError, VehicleFault};
+pub use mass::{MassModel, MassProperties};
+pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};
+
+use crate::gain_schedule::GainSchedule;
+use crate::pitch_programme::PitchProgramme;
+use crate::table::{Table, TableError};
+use crate::table_edges::{EdgeRecord, TableName};
+
+/// Text of the shipped data set.
+pub const SHIPPED_TEXT: &str = include_str!("../data/vehicle.toml");
+/// Name under which faults of the shipped set would be reported.
+pub const SHIPPED_NAME: &str = "digital-proc/data/vehicle.toml";
+
+/// A validated vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vehicle {
+    data: VehicleData,
+    motor: Motor,
+    mass: MassModel,
+    aero: AeroTables,
+    programme: PitchProgramme,
+    designed: GainSchedule,
+    reduced: GainSchedule,
+    bending_frequency_hz: Table,
+    bending_mass_kg: Table,
+    gyro_slope_pm: Table,
+}
+
+/// First bending mode at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BendingMode {
+    /// Natural frequency, rad/s.
+    pub natural_frequency_radps: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Generalised mass, kg.
+    pub generalised_mass_kg: f64,
+    /// Mode displacement at the control forces.
+    pub displacement_at_control: f64,
+    /// Mode slope at the rate gyro, 1/m.
+    pub gyro_slope_pm: f64,
+    /// Mode slope at the IMU, 1/m.
+    pub imu_slope_pm: f64,
+    /// Table edges met.
+    pub edges: EdgeRecord,
+}
+
+impl Vehicle {
+    /// The shipped, SLV-3-like first stage.
+    pub fn shipped() -> Result<Self, VehicleError> {
+        Self::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
+    }
+
+    /// Reads a user's file.
+    pub fn load(path: &Path) -> Result<Self, VehicleError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| VehicleError::Unreadable {
+            file: file.clone(),
+            reason: error.to_string(),
+        })?;
+        Self::from_toml(&file, &text)
+    }
+
+    /// Reads a text; `file` is only named in faults.
+    pub fn from_toml(file: &str, text: &str) -> Result<Self, VehicleError> {
+        let data = toml::from_str(text)
+            .map_err(|error| VehicleError::Faults(vec![fault::reader_fault(file, text, &error)]))?;
+        Self::checked(file, Some(text), data)
+    }
+
+    /// Builds from data in memory; faults then carry keys but no lines.
+    pub fn from_data(data: VehicleData) -> Result<Self, VehicleError> {
+        Self::checked("vehicle data", None, data)
+    }
+
+    fn checked(file: &str, text: Option<&str>, data: VehicleData) -> Result<Self, VehicleError> {
+        let faults = check::faults(file, text, &data);
+        if !faults.is_empty() {
+            return Err(VehicleError::Faults(faults));
+        }
+        Self::compile(data).map_err(|error| {
+            // The check covers every table; this reports one it might miss.
+            VehicleError::Faults(vec![VehicleFault {
+                file: file.to_owned(),
+                place: None,
+                key: String::new(),
+                fault: error.to_string(),
+                remedy: "correct the table".to_owned(),
+            }])
+        })
+    }
+
+    fn compile(data: VehicleData) -> Result<Self, TableError> {
+        let bending = &data.bending;
+        Ok(Self {
+            motor: Motor::new(&data)?,
+            mass: MassModel::new(&data)?,
+            aero: AeroTables::new(&data.aero)?,
+            programme: PitchProgramme::new(&data.pitch_programme)?,
+            designed: GainSchedule::new(&data.gains.schedule()),
+            reduced: GainSchedule::new(&data.gains_reduced),
+            bending_frequency_hz: Table::new(bending.time_s.clone(), bending.freq_hz.clone())?,
+            bending_mass_kg: Table::new(
+                bending.time_s.clone(),
+                bending.generalised_mass_kg.clone(),
+            )?,
+            gyro_slope_pm: Table::new(
+                bending.alternative_gyro_x_m.clone(),
+                bending.alternative_gyro_slope_pm.clone(),
+            )?,
+            data,
+        })
+    }
+
+    /// The data set behind this vehicle.
+    pub fn data(&self) -> &VehicleData {
+        &self.data
+    }
+
+    /// The first-stage motor.
+    pub fn motor(&self) -> &Motor {
+        &self.motor
+    }
+
+    /// Mass properties at a flight time, with the motor's state there.
+    pub fn mass_at(&self, time_s: f64) -> (MassProperties, MotorState) {
+        let motor = self.motor.at(time_s);
+        (
+            self.mass
+                .at(time_s, motor.propellant_left_kg, motor.mass_flow_kgps),
+            motor,
+        )
+    }
+
+    /// Aerodynamic coefficients at a Mach number.
+    pub fn aero_at(&self, mach: f64) -> AeroCoefficients {
+        self.aero.at(mach)
+    }
+
+    /// The stored pitch programme.
+    pub fn pitch_programme(&self) -> &PitchProgramme {
+        &self.programme
+    }
+
+    /// The gain schedule designed from the short-period models.
+    pub fn designed_schedule(&self) -> &GainSchedule {
+        &self.designed
+    }
+
+    /// The gain schedule with fewer switchings.
+    pub fn reduced_schedule(&self) -> &GainSchedule {
+        &self.reduced
+    }
+
+    /// The first bending mode at a flight time, nominal gyro station.
+    pub fn bending_at(&self, time_s: f64) -> BendingMode {
+        let frequency = self.bending_frequency_hz.lookup(time_s);
+        let mut edges = EdgeRecord::NONE;
+        edges.note(TableName::Bending, frequency.edge);
+        let bending = &self.data.bending;
+        BendingMode {
+            natural_frequency_radps: std::f64::consts::TAU * frequency.value,
+            damping_ratio: bending.damping_ratio,
+            generalised_mass_kg: self.bending_mass_kg.lookup(time_s).value,
+            displacement_at_control: bending.displacement_at_control,
+            gyro_slope_pm: bending.gyro_slope_pm,
+            imu_slope_pm: bending.imu_slope_pm,
+            edges,
+        }
+    }
+
+    /// First-mode slope (1/m) at another gyro station, m from the nozzle exit,
+    /// with the table's edge.
+    pub fn gyro_slope_at_station(&self, station_m: f64) -> crate::table::Lookup {
+        self.gyro_slope_pm.lookup(station_m)
+    }
+}
+
+#[cfg(test)]
+mod tests;

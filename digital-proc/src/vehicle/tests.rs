@@ -1,0 +1,164 @@
+//! Tests of the data set's reading, validation and derived quantities.
+
+use super::*;
+
+#[test]
+fn the_derived_table_is_reproduced_to_its_digits() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let derived = vehicle.data().derived.clone().unwrap();
+    // Half a unit of the last printed digit of each column, plus rounding.
+    let near = |what: &str, t: f64, got: f64, printed: f64, unit: f64| {
+        assert!(
+            (got - printed).abs() <= 0.501 * unit,
+            "{what} at {t} s: {got}, printed {printed}"
+        );
+    };
+    for (i, &t) in derived.time_s.iter().enumerate() {
+        let (mass, motor) = vehicle.mass_at(t);
+        near("mass", t, mass.mass_kg, derived.mass_kg[i], 0.1);
+        near("xcg", t, mass.cg_x_m, derived.cg_x_m[i], 1e-4);
+        near(
+            "Iyy",
+            t,
+            mass.pitch_inertia_kgm2,
+            derived.pitch_inertia_kgm2[i],
+            1.0,
+        );
+        near(
+            "Ixx",
+            t,
+            mass.roll_inertia_kgm2,
+            derived.roll_inertia_kgm2[i],
+            0.1,
+        );
+        near(
+            "F_vac",
+            t,
+            motor.vacuum_thrust_n,
+            derived.vacuum_thrust_n[i],
+            1.0,
+        );
+        near(
+            "mdot",
+            t,
+            motor.mass_flow_kgps,
+            derived.mass_flow_kgps[i],
+            1e-3,
+        );
+    }
+    // The factor is printed with six digits.
+    assert!((vehicle.motor().scale() - 0.996_964).abs() <= 0.5e-6);
+}
+
+#[test]
+fn the_rate_of_inertia_is_the_derivative_of_inertia() {
+    let vehicle = Vehicle::shipped().unwrap();
+    for t in [1.0, 17.0, 33.0, 43.0, 48.0] {
+        let h = 1e-3;
+        let slope = (vehicle.mass_at(t + h).0.pitch_inertia_kgm2
+            - vehicle.mass_at(t - h).0.pitch_inertia_kgm2)
+            / (2.0 * h);
+        let rate = vehicle.mass_at(t).0.pitch_inertia_rate_kgm2ps;
+        // Rounding of 5e5 over 2e-3 s: 6e-8; the third derivative times h²/6 is
+        // far below 1e-3 of 7e3 kg·m²/s.
+        assert!((slope - rate).abs() < 1e-2, "{t}: {slope} against {rate}");
+    }
+}
+
+#[test]
+fn thrust_is_zero_and_flagged_where_the_nozzle_is_unfilled() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let motor = vehicle.motor();
+    let sea = motor.net_thrust(motor.at(0.0).vacuum_thrust_n, 101_325.0);
+    assert!(!sea.nozzle_unfilled);
+    let end = motor.net_thrust(motor.at(49.0).vacuum_thrust_n, 3_000.0);
+    assert_eq!((end.thrust_n, end.nozzle_unfilled), (0.0, true));
+}
+
+fn faults_of(text: &str) -> Vec<VehicleFault> {
+    match Vehicle::from_toml("user.toml", text) {
+        Err(VehicleError::Faults(faults)) => faults,
+        other => panic!("expected faults, got {other:?}"),
+    }
+}
+
+fn line_of(needle: &str) -> usize {
+    SHIPPED_TEXT
+        .lines()
+        .position(|line| line.starts_with(needle))
+        .unwrap()
+        + 1
+}
+
+#[test]
+fn every_semantic_fault_is_reported_with_its_line() {
+    let text = SHIPPED_TEXT
+        .replace("m0            = 17610.0", "m0            = -17610.0")
+        .replace(
+            "env_h   = [0.0, 2.0e3, 4.0e3",
+            "env_h   = [0.0, 2.0e3, 2.0e3",
+        )
+        .replace("tau        = 0.05", "tau        = nan")
+        .replace("K_F   = [0.0,    8.0,  12.0]", "K_F   = [0.0,    8.0]");
+    let faults = faults_of(&text);
+    let place_of = |key: &str| {
+        let fault = faults.iter().find(|f| f.key == key);
+        fault
+            .unwrap_or_else(|| panic!("no fault at {key}: {faults:#?}"))
+            .place
+            .unwrap()
+    };
+    assert_eq!(place_of("mass.m0").0, line_of("m0 "));
+    assert_eq!(place_of("wind.env_h[2]").0, line_of("env_h"));
+    assert_eq!(place_of("ftc.tau").0, line_of("tau        = 0.05"));
+    assert_eq!(
+        place_of("gains_reduced.K_F").0,
+        line_of("K_F   = [0.0,    8.0,")
+    );
+    assert!(
+        faults
+            .iter()
+            .all(|f| f.file == "user.toml" && !f.remedy.is_empty())
+    );
+    // The launch mass no longer closes either: five faults, in one run.
+    assert_eq!(faults.len(), 5, "{faults:#?}");
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_the_nearest_known_one() {
+    let text = SHIPPED_TEXT.replace("A_exit  = 0.411", "A_exxit  = 0.411");
+    let faults = faults_of(&text);
+    assert_eq!(faults[0].place.unwrap().0, line_of("A_exit"));
+    assert_eq!(faults[0].remedy, "did you mean `A_exit`?");
+}
+
+#[test]
+fn missing_keys_wrong_types_and_syntax_are_refused_with_a_line() {
+    for (from, to) in [
+        ("mu           = 3.986004418e14\n", "\n"),
+        ("isp_vac = 253.0 ", "isp_vac = \"fast\" "),
+        ("[gyro]", "[gyro"),
+    ] {
+        let text = SHIPPED_TEXT.replace(from, to);
+        assert_ne!(text, SHIPPED_TEXT);
+        let faults = faults_of(&text);
+        assert!(faults[0].place.is_some(), "{faults:?}");
+    }
+}
+
+#[test]
+fn an_unreadable_file_is_named() {
+    let error = Vehicle::load(Path::new("/nonexistent/vehicle.toml")).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("/nonexistent/vehicle.toml: cannot be read")
+    );
+}
+
+#[test]
+fn data_in_memory_is_validated_too() {
+    let mut data = Vehicle::shipped().unwrap().data().clone();
+    data.gyro.natural_frequency_radps = f64::INFINITY;
+    assert!(Vehicle::from_data(data).is_err());
+}

@@ -1,0 +1,277 @@
+//! The two ends of a link, over any transport.
+//!
+//! An end owns the protocol state, the patience and the order of things; a
+//! *wire* only carries messages and can tell whether the partner is there.
+//! Both links share these ends, so they cannot differ in behaviour.
+
+use super::{
+    AnalogPort, DigitalPort, LinkFault,
+    waiting::{Limit, Patience, Watch, wait},
+};
+use crate::{
+    Side,
+    control::{Reply, Request},
+    frame::{Samples, Updates},
+    protocol::{self, Protocol},
+};
+
+/// What a transport does for the analog end. Nothing here blocks.
+pub trait AnalogWire: Watch {
+    /// Sends samples; `lossy` allows to lose a frame that finds no room.
+    fn put_samples(&mut self, samples: &Samples, lossy: bool) -> Result<(), LinkFault>;
+    /// Takes the next updates in order of sending.
+    fn take_updates(&mut self) -> Result<Option<Updates>, LinkFault>;
+    /// Takes the next request once all of it has come.
+    fn take_request(&mut self) -> Result<Option<Request>, LinkFault>;
+    /// Answers it.
+    fn put_reply(&mut self, reply: &Reply) -> Result<(), LinkFault>;
+    /// Moves what is left of a long reply; true when all of it has gone.
+    fn reply_gone(&mut self) -> Result<bool, LinkFault>;
+}
+
+/// What a transport does for the digital end. Nothing here blocks.
+pub trait DigitalWire: Watch {
+    /// Takes the next samples in order of sending.
+    fn take_samples(&mut self) -> Result<Option<Samples>, LinkFault>;
+    /// Sends updates; `lossy` allows to lose a frame that finds no room.
+    fn put_updates(&mut self, updates: &Updates, lossy: bool) -> Result<(), LinkFault>;
+    /// Begins to send a request.
+    fn put_request(&mut self, request: &Request) -> Result<(), LinkFault>;
+    /// Sends what is left of it and takes the reply once all of it has come.
+    fn take_reply(&mut self) -> Result<Option<Reply>, LinkFault>;
+}
+
+/// The analog processor's end over wire `W`.
+#[derive(Debug)]
+pub struct AnalogEnd<W> {
+    wire: W,
+    protocol: Protocol,
+    patience: Patience,
+    /// Updates that came before their frame was asked for (wall clock only).
+    early: Option<Updates>,
+}
+
+/// The digital processor's end over wire `W`.
+#[derive(Debug)]
+pub struct DigitalEnd<W> {
+    wire: W,
+    protocol: Protocol,
+    patience: Patience,
+}
+
+impl<W> AnalogEnd<W> {
+    pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> AnalogEnd<W> {
+        AnalogEnd {
+            wire,
+            protocol,
+            patience: patience.clone(),
+            early: None,
+        }
+    }
+
+    /// What the protocol knows of the session.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+}
+
+impl<W> DigitalEnd<W> {
+    pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> DigitalEnd<W> {
+        DigitalEnd {
+            wire,
+            protocol,
+            patience: patience.clone(),
+        }
+    }
+
+    /// What the protocol knows of the session.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+}
+
+impl<W: AnalogWire> AnalogEnd<W> {
+    /// Waits for the partner's greeting and answers it.
+    pub(super) fn greet(&mut self) -> Result<(), LinkFault> {
+        let limit = self.patience.arrival.map_or(Limit::Unlimited, Limit::After);
+        let request = wait(
+            &self.patience,
+            &mut self.wire,
+            limit,
+            0,
+            AnalogWire::take_request,
+        )?;
+        if let Err(error) = self.protocol.request(&request) {
+            // The other side is told why before this one gives up.
+            self.wire.put_reply(&Reply::Refused(error.to_string()))?;
+            let _ = self.flush();
+            return Err(error.at(0));
+        }
+        self.reply(&protocol::hello_reply())
+    }
+
+    fn flush(&mut self) -> Result<(), LinkFault> {
+        wait(
+            &self.patience,
+            &mut self.wire,
+            Limit::Silence,
+            self.protocol.frame(),
+            |wire| Ok(wire.reply_gone()?.then_some(())),
+        )
+    }
+
+    fn admit(&mut self, updates: Updates, frame: u64) -> Result<Updates, LinkFault> {
+        self.protocol
+            .updates(updates.frame)
+            .map_err(|e| e.at(frame))?;
+        Ok(updates)
+    }
+}
+
+impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
+    fn send_samples(&mut self, samples: &Samples) -> Result<(), LinkFault> {
+        self.patience.check_interrupt(self.protocol.frame())?;
+        let lossy = self.protocol.may_skip();
+        self.protocol
+            .samples(samples.frame, samples.run_state())
+            .map_err(|e| e.at(samples.frame))?;
+        // The frame that ends a run is never the one to be lost.
+        let last = !self.protocol.operating();
+        self.wire.put_samples(samples, lossy && !last)
+    }
+
+    fn await_updates(&mut self, frame: u64) -> Result<Updates, LinkFault> {
+        loop {
+            let updates = match self.early.take() {
+                Some(updates) => updates,
+                None => wait(
+                    &self.patience,
+                    &mut self.wire,
+                    Limit::Silence,
+                    frame,
+                    AnalogWire::take_updates,
+                )?,
+            };
+            let updates = self.admit(updates, frame)?;
+            if updates.frame >= frame {
+                return Ok(updates);
+            }
+        }
+    }
+
+    fn poll_updates(&mut self, frame: u64) -> Result<Option<Updates>, LinkFault> {
+        self.patience.check_interrupt(frame)?;
+        let waiting = match self.early.take() {
+            Some(updates) => Some(updates),
+            None => self.wire.take_updates()?,
+        };
+        match waiting {
+            Some(updates) if updates.frame > frame && self.protocol.may_skip() => {
+                self.early = Some(updates);
+                Ok(None)
+            }
+            Some(updates) => self.admit(updates, frame).map(Some),
+            None if self.wire.gone_within(std::time::Duration::ZERO) => {
+                Err(died(&self.wire, frame))
+            }
+            None => Ok(None),
+        }
+    }
+
+    fn await_request(&mut self) -> Result<Request, LinkFault> {
+        let frame = self.protocol.frame();
+        let request = wait(
+            &self.patience,
+            &mut self.wire,
+            Limit::Unlimited,
+            frame,
+            AnalogWire::take_request,
+        )?;
+        self.protocol.request(&request).map_err(|e| e.at(frame))?;
+        if let Request::Operate(_) = request {
+            // Late updates of an earlier run on the wall clock; in lock-step there are none.
+            self.early = None;
+            while self.wire.take_updates()?.is_some() {}
+        }
+        Ok(request)
+    }
+
+    fn reply(&mut self, reply: &Reply) -> Result<(), LinkFault> {
+        let frame = self.protocol.frame();
+        self.protocol.reply(reply).map_err(|e| e.at(frame))?;
+        self.wire.put_reply(reply)?;
+        self.flush()
+    }
+}
+
+impl<W: DigitalWire> DigitalEnd<W> {
+    /// Greets the partner, which has the same build or is refused.
+    pub(super) fn greet(&mut self) -> Result<(), LinkFault> {
+        match self.request(&protocol::hello())? {
+            Reply::Refused(detail) => Err(LinkFault::Protocol { frame: 0, detail }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
+    fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault> {
+        loop {
+            let samples = wait(
+                &self.patience,
+                &mut self.wire,
+                Limit::Silence,
+                frame,
+                DigitalWire::take_samples,
+            )?;
+            if samples.frame != frame && !self.protocol.may_skip() {
+                let error = protocol::ProtocolError::FrameNumber {
+                    message: "samples",
+                    expected: frame,
+                    found: samples.frame,
+                };
+                return Err(error.at(frame));
+            }
+            self.protocol
+                .samples(samples.frame, samples.run_state())
+                .map_err(|e| e.at(frame))?;
+            if samples.frame >= frame || !self.protocol.operating() {
+                return Ok(samples);
+            }
+        }
+    }
+
+    fn send_updates(&mut self, updates: &Updates) -> Result<(), LinkFault> {
+        let frame = updates.frame;
+        self.patience.check_interrupt(frame)?;
+        self.protocol.updates(frame).map_err(|e| e.at(frame))?;
+        self.wire.put_updates(updates, self.protocol.may_skip())
+    }
+
+    fn request(&mut self, request: &Request) -> Result<Reply, LinkFault> {
+        let frame = self.protocol.frame();
+        self.protocol.request(request).map_err(|e| e.at(frame))?;
+        // Samples of an earlier run that nobody asked for.
+        while self.wire.take_samples()?.is_some() {}
+        self.wire.put_request(request)?;
+        let reply = wait(
+            &self.patience,
+            &mut self.wire,
+            Limit::Silence,
+            frame,
+            DigitalWire::take_reply,
+        )?;
+        self.protocol.reply(&reply).map_err(|e| e.at(frame))?;
+        Ok(reply)
+    }
+}
+
+/// The partner's death, as this end tells it.
+pub(super) fn died(watch: &impl Watch, frame: u64) -> LinkFault {
+    let side: Side = watch.side();
+    LinkFault::PartnerDied {
+        side: side.name(),
+        frame,
+        detail: watch.epitaph(),
+    }
+}

@@ -1,0 +1,204 @@
+//! How a side waits for the other: spin, then yield, then block.
+//!
+//! The answer to a frame comes within microseconds as long as both processes
+//! run, so a wait first spins (2 µs), then yields the processor (needed when
+//! both share one core), then blocks for a slice of time that grows with the
+//! time waited: at most an eighth of it, so that blocking never makes a wait
+//! longer by more than an eighth. A block ends at once when the partner dies.
+//!
+//! It refuses to wait for ever. A partner that lives but neither answers nor
+//! computes for [`Patience::silence`] has hung; one that uses processor time is
+//! working, and may for [`Patience::busy_limit`].
+
+use super::LinkFault;
+use crate::Side;
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+/// A frame that is ready comes within this time when both sides have a core.
+const SPIN: Duration = Duration::from_micros(2);
+/// Time given to the partner on a shared core before the wait sleeps.
+const YIELD: Duration = Duration::from_micros(200);
+/// Shortest block; below it the timer's own slack (50 µs) rules.
+const SLICE_MIN: Duration = Duration::from_micros(50);
+/// Longest block: a dead partner or an interrupt is noticed within it.
+const SLICE_MAX: Duration = Duration::from_millis(20);
+/// Longest time between two looks at the partner's place in the session.
+const LOOK: Duration = Duration::from_millis(40);
+/// A partner that uses more than this share of a core while it is silent is
+/// computing. An idle wait with blocks of [`SLICE_MAX`] uses about a thousandth.
+const BUSY_SHARE: f64 = 0.01;
+
+/// How long a link waits, and what ends a wait early.
+#[derive(Clone, Debug)]
+pub struct Patience {
+    /// Set by the caller's signal handler; every wait looks at it.
+    pub interrupted: Arc<AtomicBool>,
+    /// A partner silent and idle for this long has hung.
+    pub silence: Duration,
+    /// A partner silent but computing may be so for this long.
+    pub busy_limit: Duration,
+    /// How long to wait for a partner to arrive; `None` waits until interrupted.
+    pub arrival: Option<Duration>,
+}
+
+impl Default for Patience {
+    /// 10 s of silence, 10 min of computing, 10 s to arrive, no interrupt.
+    fn default() -> Patience {
+        Patience {
+            interrupted: Arc::new(AtomicBool::new(false)),
+            silence: Duration::from_secs(10),
+            busy_limit: Duration::from_secs(600),
+            arrival: Some(Duration::from_secs(10)),
+        }
+    }
+}
+
+impl Patience {
+    /// Default limits with the caller's interrupt flag.
+    #[must_use]
+    pub fn interrupted_by(flag: Arc<AtomicBool>) -> Patience {
+        Patience {
+            interrupted: flag,
+            ..Patience::default()
+        }
+    }
+
+    /// Fails when the user interrupted this process.
+    pub(super) fn check_interrupt(&self, frame: u64) -> Result<(), LinkFault> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            Err(LinkFault::Interrupted { frame })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// What a wait can see of the other side.
+pub trait Watch {
+    /// Which side it is.
+    fn side(&self) -> Side;
+    /// Blocks at most `slice`; true when the partner has gone. May return early.
+    fn gone_within(&self, slice: Duration) -> bool;
+    /// A slower look for a partner that lives but gave up the session.
+    fn left(&self) -> bool;
+    /// How it ended.
+    fn epitaph(&self) -> String;
+    /// Processor time used so far, where it can be told.
+    fn cpu_time(&self) -> Option<Duration>;
+}
+
+/// When a wait for a live partner ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Limit {
+    /// After the patience's silence, or busy limit while the partner computes.
+    Silence,
+    /// After this time, whatever the partner does.
+    After(Duration),
+    /// Only when it dies.
+    Unlimited,
+}
+
+/// Waits until `attempt` gives something.
+pub(super) fn wait<W: Watch, T>(
+    patience: &Patience,
+    watch: &mut W,
+    limit: Limit,
+    frame: u64,
+    mut attempt: impl FnMut(&mut W) -> Result<Option<T>, LinkFault>,
+) -> Result<T, LinkFault> {
+    patience.check_interrupt(frame)?;
+    if let Some(found) = attempt(watch)? {
+        return Ok(found);
+    }
+    let start = Instant::now();
+    while start.elapsed() < SPIN {
+        std::hint::spin_loop();
+        if let Some(found) = attempt(watch)? {
+            return Ok(found);
+        }
+    }
+    while start.elapsed() < YIELD {
+        rustix::thread::sched_yield();
+        if let Some(found) = attempt(watch)? {
+            return Ok(found);
+        }
+    }
+    let mut looked = Instant::now();
+    let mut window: Option<Window> = None;
+    loop {
+        patience.check_interrupt(frame)?;
+        let waited = start.elapsed();
+        let mut gone = watch.gone_within((waited / 8).clamp(SLICE_MIN, SLICE_MAX));
+        if !gone && looked.elapsed() > LOOK {
+            gone = watch.left();
+            looked = Instant::now();
+        }
+        // Once more even when it is gone: its last message may have come first.
+        if let Some(found) = attempt(watch)? {
+            return Ok(found);
+        }
+        if gone {
+            return Err(LinkFault::PartnerDied {
+                side: watch.side().name(),
+                frame,
+                detail: watch.epitaph(),
+            });
+        }
+        let over = match limit {
+            Limit::Unlimited => false,
+            Limit::After(most) => waited > most,
+            // Reading the partner's processor time costs more than most waits last.
+            Limit::Silence if waited < SLICE_MAX => false,
+            Limit::Silence => {
+                let window = window.get_or_insert_with(|| Window::new(watch));
+                window.start.elapsed() > patience.silence
+                    && (waited > patience.busy_limit || !window.renew_if_busy(watch))
+            }
+        };
+        if over {
+            return Err(LinkFault::Deadline {
+                side: watch.side().name(),
+                frame,
+                waited_s: waited.as_secs_f64(),
+            });
+        }
+    }
+}
+
+/// A span of silence, and the partner's processor time at its start.
+struct Window {
+    start: Instant,
+    cpu: Option<Duration>,
+}
+
+impl Window {
+    fn new(watch: &impl Watch) -> Window {
+        Window {
+            start: Instant::now(),
+            cpu: watch.cpu_time(),
+        }
+    }
+
+    /// Starts a new window when the partner computed during this one.
+    fn renew_if_busy(&mut self, watch: &impl Watch) -> bool {
+        let now = Window::new(watch);
+        let busy = match (self.cpu, now.cpu) {
+            (Some(before), Some(after)) => {
+                let share =
+                    after.saturating_sub(before).as_secs_f64() / self.start.elapsed().as_secs_f64();
+                share > BUSY_SHARE
+            }
+            _ => false,
+        };
+        if busy {
+            *self = now;
+        }
+        busy
+    }
+}

@@ -1,0 +1,546 @@
+//! The protocol between the two processors as a pure state machine.
+//!
+//! Four kinds of message cross a link: requests and updates from the digital
+//! to the analog side, replies and samples the other way. Both ends feed every
+//! message that they send or receive to a [`Protocol`], which refuses what is
+//! out of order. It does no I/O, reads no clock and knows no transport, so both
+//! links behave alike and the rules are tested without either.
+//!
+//! ```text
+//! Greeting -Hello-> Idle -request-> Answering -reply-> Idle
+//!                                      | Operate accepted
+//!                                      v
+//!                    Operating: samples 0, updates 0, samples 1, … samples n (Ended | Faulted) -> Idle
+//! ```
+
+use crate::{
+    control::{Clock, Reply, Request},
+    frame::{self, Edge, RunState, Samples, Updates},
+    link::LinkFault,
+};
+use std::mem::{align_of, offset_of, size_of};
+
+/// Version of the protocol; raised whenever a message changes its meaning.
+pub const VERSION: u32 = 1;
+
+/// One end of the link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// The analog processor.
+    Analog,
+    /// The digital processor.
+    Digital,
+}
+
+impl Side {
+    /// Name of the process, as errors print it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Analog => "analog-proc",
+            Side::Digital => "digital-proc",
+        }
+    }
+
+    /// The other end.
+    #[must_use]
+    pub fn partner(self) -> Side {
+        match self {
+            Side::Analog => Side::Digital,
+            Side::Digital => Side::Analog,
+        }
+    }
+}
+
+/// What was out of order.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ProtocolError {
+    /// The two processes speak different protocols.
+    #[error("protocol version {theirs} met version {ours}; run both processes from the same build")]
+    Version {
+        /// This side's version.
+        ours: u32,
+        /// The partner's version.
+        theirs: u32,
+    },
+    /// The two processes lay their frames out differently.
+    #[error(
+        "frame layout {theirs:016x} met layout {ours:016x}; run both processes from the same build"
+    )]
+    Layout {
+        /// This side's layout hash.
+        ours: u64,
+        /// The partner's layout hash.
+        theirs: u64,
+    },
+    /// The analog side loaded another patch than the one that was sent.
+    #[error("the patch arrived altered: hash {sent} was sent, {loaded} was loaded")]
+    PatchHash {
+        /// Hash of the bundle in the request.
+        sent: String,
+        /// Hash in the reply.
+        loaded: String,
+    },
+    /// A message came at a moment when it has no place.
+    #[error("{message} has no place while {phase}")]
+    OutOfOrder {
+        /// What came.
+        message: &'static str,
+        /// What the session was doing.
+        phase: &'static str,
+    },
+    /// A frame came with another number than the next one.
+    #[error("{message} {found} came where {expected} was due")]
+    FrameNumber {
+        /// `samples` or `updates`.
+        message: &'static str,
+        /// Number due.
+        expected: u64,
+        /// Number found.
+        found: u64,
+    },
+    /// The reply does not belong to the request.
+    #[error("the request {request} was answered by {reply}")]
+    ReplyKind {
+        /// The request.
+        request: &'static str,
+        /// The reply.
+        reply: &'static str,
+    },
+}
+
+impl ProtocolError {
+    /// As a link fault at the given frame.
+    #[must_use]
+    pub fn at(self, frame: u64) -> LinkFault {
+        LinkFault::Protocol {
+            frame,
+            detail: self.to_string(),
+        }
+    }
+}
+
+/// Hash of everything on which the meaning of a frame's bytes depends: sizes,
+/// alignments, offsets and channel counts. Equal layouts have equal hashes on
+/// every build; the handshake refuses unequal ones.
+#[must_use]
+pub fn layout_hash() -> u64 {
+    let numbers = [
+        size_of::<Samples>(),
+        align_of::<Samples>(),
+        offset_of!(Samples, frame),
+        offset_of!(Samples, tick),
+        offset_of!(Samples, adc),
+        offset_of!(Samples, adc_saturated),
+        offset_of!(Samples, sense),
+        offset_of!(Samples, overloads),
+        offset_of!(Samples, state),
+        offset_of!(Samples, edge_count),
+        offset_of!(Samples, edges_lost),
+        offset_of!(Samples, edges),
+        size_of::<Edge>(),
+        offset_of!(Edge, tick),
+        offset_of!(Edge, line),
+        offset_of!(Edge, rising),
+        size_of::<Updates>(),
+        align_of::<Updates>(),
+        offset_of!(Updates, frame),
+        offset_of!(Updates, effective),
+        offset_of!(Updates, dac_mask),
+        offset_of!(Updates, dcu_mask),
+        offset_of!(Updates, control_mask),
+        offset_of!(Updates, control),
+        offset_of!(Updates, mode),
+        offset_of!(Updates, reserved),
+        offset_of!(Updates, dac),
+        offset_of!(Updates, dcu),
+        frame::ADC_CHANNELS,
+        frame::DAC_CHANNELS,
+        frame::DCU_CHANNELS,
+        frame::SENSE_LINES,
+        frame::CONTROL_LINES,
+        frame::INTERRUPT_LINES,
+        frame::EDGES_PER_FRAME,
+    ];
+    // FNV-1a, 64 bits: stable across builds, which `std::hash` does not promise.
+    numbers
+        .iter()
+        .flat_map(|n| (*n as u64).to_le_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        })
+}
+
+/// The greeting of this build.
+#[must_use]
+pub fn hello() -> Request {
+    Request::Hello {
+        version: VERSION,
+        layout_hash: layout_hash(),
+    }
+}
+
+/// This build's answer to [`hello`].
+#[must_use]
+pub fn hello_reply() -> Reply {
+    Reply::Hello {
+        version: VERSION,
+        layout_hash: layout_hash(),
+    }
+}
+
+/// Compares the partner's greeting with this build's.
+///
+/// # Errors
+/// [`ProtocolError::Version`] or [`ProtocolError::Layout`].
+pub fn check_hello(version: u32, layout: u64) -> Result<(), ProtocolError> {
+    let ours = layout_hash();
+    if version != VERSION {
+        Err(ProtocolError::Version {
+            ours: VERSION,
+            theirs: version,
+        })
+    } else if layout != ours {
+        Err(ProtocolError::Layout {
+            ours,
+            theirs: layout,
+        })
+    } else {
+        Ok(())
+    }
+}
+
+/// Mode of the machine as the protocol knows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// No patch is loaded.
+    PotSet,
+    /// Integrators at their initial conditions.
+    InitialCondition,
+    /// Integrating.
+    Operate,
+    /// Integrators hold their values.
+    Hold,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Phase {
+    Greeting,
+    Idle,
+    Answering(Pending),
+    Operating(Run),
+    Closed,
+}
+
+/// What a reply must match.
+#[derive(Clone, Debug, PartialEq)]
+enum Pending {
+    Hello,
+    Load { hash: String },
+    Set,
+    Read(usize),
+    StaticCheck,
+    Operate(Clock),
+    Diagnose,
+    Bye,
+}
+
+/// Frame numbers of one OPERATE period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Run {
+    clock: Clock,
+    /// Number of the last samples.
+    samples: Option<u64>,
+    /// Number of the last updates.
+    updates: Option<u64>,
+}
+
+/// The state of one session, as either end sees it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Protocol {
+    phase: Phase,
+    mode: Mode,
+    frame: u64,
+}
+
+impl Default for Protocol {
+    fn default() -> Protocol {
+        Protocol::new()
+    }
+}
+
+impl Protocol {
+    /// A session whose two sides have not met: only a greeting has a place.
+    #[must_use]
+    pub fn new() -> Protocol {
+        Protocol {
+            phase: Phase::Greeting,
+            mode: Mode::PotSet,
+            frame: 0,
+        }
+    }
+
+    /// A session between two ends of one build, which need no greeting.
+    #[must_use]
+    pub fn greeted() -> Protocol {
+        Protocol {
+            phase: Phase::Idle,
+            ..Protocol::new()
+        }
+    }
+
+    /// The last frame that was begun.
+    #[must_use]
+    pub fn frame(&self) -> u64 {
+        self.frame
+    }
+
+    /// Mode of the machine.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Whether frames flow (as against requests).
+    #[must_use]
+    pub fn operating(&self) -> bool {
+        matches!(self.phase, Phase::Operating(_))
+    }
+
+    /// Whether frame numbers may skip: in a session paced by the wall clock an
+    /// overrun loses frames, in lock-step nothing ever is.
+    #[must_use]
+    pub fn may_skip(&self) -> bool {
+        matches!(&self.phase, Phase::Operating(run) if run.clock == Clock::Wall)
+    }
+
+    /// Whether the session ended by `Bye`.
+    #[must_use]
+    pub fn closed(&self) -> bool {
+        self.phase == Phase::Closed
+    }
+
+    fn phase_name(&self) -> &'static str {
+        match &self.phase {
+            Phase::Greeting => "the two sides have not greeted each other",
+            Phase::Idle => "the machine waits for a request",
+            Phase::Answering(_) => "a request waits for its reply",
+            Phase::Operating(_) => "frames flow",
+            Phase::Closed => "the session is closed",
+        }
+    }
+
+    fn out_of_order<T>(&self, message: &'static str) -> Result<T, ProtocolError> {
+        Err(ProtocolError::OutOfOrder {
+            message,
+            phase: self.phase_name(),
+        })
+    }
+
+    /// A request crosses.
+    ///
+    /// # Errors
+    /// [`ProtocolError`] when it has no place now, or is a greeting of another build.
+    pub fn request(&mut self, request: &Request) -> Result<(), ProtocolError> {
+        match (&self.phase, request) {
+            (
+                Phase::Greeting | Phase::Idle,
+                Request::Hello {
+                    version,
+                    layout_hash,
+                },
+            ) => check_hello(*version, *layout_hash)?,
+            (Phase::Idle, _) => {}
+            _ => return self.out_of_order(request_name(request)),
+        }
+        self.phase = Phase::Answering(match request {
+            Request::Hello { .. } => Pending::Hello,
+            Request::Load { bundle, .. } => Pending::Load {
+                hash: bundle.hash(),
+            },
+            Request::SetParams(_) | Request::SetIcs(_) | Request::Preset(_) => Pending::Set,
+            Request::Read(nets) => Pending::Read(nets.len()),
+            Request::StaticCheck => Pending::StaticCheck,
+            Request::Operate(spec) => Pending::Operate(spec.clock),
+            Request::Diagnose => Pending::Diagnose,
+            Request::Bye => Pending::Bye,
+        });
+        Ok(())
+    }
+
+    /// A reply crosses.
+    ///
+    /// # Errors
+    /// [`ProtocolError`] when nothing was asked, or the reply is of another kind than the request.
+    pub fn reply(&mut self, reply: &Reply) -> Result<(), ProtocolError> {
+        let Phase::Answering(pending) = &self.phase else {
+            return self.out_of_order(reply_name(reply));
+        };
+        if let Reply::Refused(_) = reply {
+            self.phase = match pending {
+                Pending::Hello if self.mode == Mode::PotSet => Phase::Greeting,
+                _ => Phase::Idle,
+            };
+            return Ok(());
+        }
+        let next = match (pending, reply) {
+            (
+                Pending::Hello,
+                Reply::Hello {
+                    version,
+                    layout_hash,
+                },
+            ) => {
+                check_hello(*version, *layout_hash)?;
+                Phase::Idle
+            }
+            (Pending::Load { hash }, Reply::Loaded { patch_hash, .. }) => {
+                if hash != patch_hash {
+                    return Err(ProtocolError::PatchHash {
+                        sent: hash.clone(),
+                        loaded: patch_hash.clone(),
+                    });
+                }
+                self.mode = Mode::InitialCondition;
+                Phase::Idle
+            }
+            (Pending::Set, Reply::Done)
+            | (Pending::StaticCheck, Reply::StaticCheck(_))
+            | (Pending::Diagnose, Reply::Diagnosis { .. }) => Phase::Idle,
+            (Pending::Read(count), Reply::Values(values)) if values.len() == *count => Phase::Idle,
+            (Pending::Operate(clock), Reply::Done) => {
+                if self.mode == Mode::PotSet {
+                    return Err(ProtocolError::OutOfOrder {
+                        message: "OPERATE",
+                        phase: "no patch is loaded",
+                    });
+                }
+                self.mode = Mode::Operate;
+                Phase::Operating(Run {
+                    clock: *clock,
+                    samples: None,
+                    updates: None,
+                })
+            }
+            (Pending::Bye, Reply::Done) => Phase::Closed,
+            (pending, reply) => {
+                return Err(ProtocolError::ReplyKind {
+                    request: pending.name(),
+                    reply: reply_name(reply),
+                });
+            }
+        };
+        self.phase = next;
+        Ok(())
+    }
+
+    /// Samples cross. `Ended` and `Faulted` lead back to requests; the machine then holds.
+    ///
+    /// # Errors
+    /// [`ProtocolError`] when no run operates, an update is still due, or the number is not the next.
+    pub fn samples(&mut self, frame: u64, state: RunState) -> Result<(), ProtocolError> {
+        let skip = self.may_skip();
+        let Phase::Operating(run) = &mut self.phase else {
+            return self.out_of_order("samples");
+        };
+        if let Some(last) = run.samples {
+            if !skip && run.updates != Some(last) {
+                return Err(ProtocolError::OutOfOrder {
+                    message: "samples",
+                    phase: "updates of the last frame are due",
+                });
+            }
+            if frame <= last || (!skip && frame != last + 1) {
+                return Err(ProtocolError::FrameNumber {
+                    message: "samples",
+                    expected: last.saturating_add(1),
+                    found: frame,
+                });
+            }
+        }
+        run.samples = Some(frame);
+        self.frame = frame;
+        match state {
+            RunState::Operate => self.mode = Mode::Operate,
+            RunState::Hold => self.mode = Mode::Hold,
+            RunState::Ended | RunState::Faulted => {
+                self.mode = Mode::Hold;
+                self.phase = Phase::Idle;
+            }
+        }
+        Ok(())
+    }
+
+    /// Updates cross.
+    ///
+    /// # Errors
+    /// [`ProtocolError`] when no run operates, or the number is not that of the last samples
+    /// (on the wall clock: one between the last updates and the last samples).
+    pub fn updates(&mut self, frame: u64) -> Result<(), ProtocolError> {
+        let skip = self.may_skip();
+        let Phase::Operating(run) = &mut self.phase else {
+            return self.out_of_order("updates");
+        };
+        let Some(samples) = run.samples else {
+            return Err(ProtocolError::OutOfOrder {
+                message: "updates",
+                phase: "the first samples are due",
+            });
+        };
+        let late = run.updates.is_some_and(|last| frame <= last);
+        if late || frame > samples || (!skip && frame != samples) {
+            return Err(ProtocolError::FrameNumber {
+                message: "updates",
+                expected: samples,
+                found: frame,
+            });
+        }
+        run.updates = Some(frame);
+        Ok(())
+    }
+}
+
+impl Pending {
+    fn name(&self) -> &'static str {
+        match self {
+            Pending::Hello => "Hello",
+            Pending::Load { .. } => "Load",
+            Pending::Set => "SetParams, SetIcs or Preset",
+            Pending::Read(_) => "Read",
+            Pending::StaticCheck => "StaticCheck",
+            Pending::Operate(_) => "Operate",
+            Pending::Diagnose => "Diagnose",
+            Pending::Bye => "Bye",
+        }
+    }
+}
+
+fn request_name(request: &Request) -> &'static str {
+    match request {
+        Request::Hello { .. } => "request Hello",
+        Request::Load { .. } => "request Load",
+        Request::SetParams(_) => "request SetParams",
+        Request::SetIcs(_) => "request SetIcs",
+        Request::Preset(_) => "request Preset",
+        Request::Read(_) => "request Read",
+        Request::StaticCheck => "request StaticCheck",
+        Request::Operate(_) => "request Operate",
+        Request::Diagnose => "request Diagnose",
+        Request::Bye => "request Bye",
+    }
+}
+
+fn reply_name(reply: &Reply) -> &'static str {
+    match reply {
+        Reply::Hello { .. } => "reply Hello",
+        Reply::Loaded { .. } => "reply Loaded",
+        Reply::Done => "reply Done",
+        Reply::Values(_) => "reply Values",
+        Reply::StaticCheck(_) => "reply StaticCheck",
+        Reply::Diagnosis { .. } => "reply Diagnosis",
+        Reply::Refused(_) => "reply Refused",
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,500 @@
+//! Sessions: one pair of processes, one directory, one shared-memory prefix.
+//!
+//! A session is the directory `BASE/NAME.session`. In it each side holds an
+//! exclusive lock on a file of its own (`analog-proc.lock`, `digital-proc.lock`),
+//! which contains its pid. Whoever holds a lock is alive; a session in which
+//! nobody holds one is stale and is swept by the next process that starts. The
+//! last side to leave removes the directory and every shared-memory file with
+//! the session's prefix, so it does not matter which side survives.
+//!
+//! The prefix is a hash of the base and the name: a sweeper can compute it for
+//! a session of which nothing but the empty directory exists.
+
+mod base;
+mod partner;
+
+pub use base::{BASE_VARIABLE, base_directory};
+pub use partner::Partner;
+
+use crate::Side;
+use base::BaseLock;
+use partner::is_held;
+use rustix::{
+    fs::{FlockOperation, flock},
+    io::Errno,
+};
+use sha2::{Digest, Sha256};
+use std::{
+    fs::{self, File, OpenOptions},
+    io::{Read, Seek, Write},
+    os::unix::{
+        ffi::OsStrExt,
+        fs::{DirBuilderExt, OpenOptionsExt},
+    },
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::{Duration, SystemTime},
+};
+
+/// Marks our directories, so that a sweep touches nothing else.
+const SUFFIX: &str = ".session";
+/// Where POSIX shared memory lives on Linux.
+const SHARED_MEMORY: &str = "/dev/shm";
+/// Longest session name; keeps every path within the transport's 255 bytes.
+const NAME_LIMIT: usize = 48;
+
+/// Why a session cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    /// The base directory cannot be trusted.
+    #[error("the base directory {} is refused: {reason}; set {BASE_VARIABLE} to a directory of your own", path.display())]
+    ForeignBase {
+        /// The directory.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// The base stayed locked.
+    #[error("the base directory {} stayed locked by another process", path.display())]
+    BaseBusy {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// Not a name for a session.
+    #[error("`{name}` is no name for a session: use 1 to {NAME_LIMIT} letters, digits, `-` or `_`")]
+    Name {
+        /// The name as given.
+        name: String,
+    },
+    /// A live session has this name.
+    #[error("a session named `{name}` is running already; choose another name")]
+    InUse {
+        /// The name.
+        name: String,
+    },
+    /// No session has this name.
+    #[error("no session named `{name}` is running{}", known_list(known))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// Sessions that do run.
+        known: Vec<String>,
+    },
+    /// The session's other side is gone.
+    #[error("{} of session `{name}` is gone", side.name())]
+    Deserted {
+        /// The name.
+        name: String,
+        /// The side that is gone.
+        side: Side,
+    },
+    /// Somebody else plays this part.
+    #[error("session `{name}` already has its {}", side.name())]
+    Taken {
+        /// The name.
+        name: String,
+        /// The side that is taken.
+        side: Side,
+    },
+    /// The operating system refused.
+    #[error("{doing} failed at {}: {source}", path.display())]
+    Io {
+        /// What was being done.
+        doing: &'static str,
+        /// Where.
+        path: PathBuf,
+        /// Its reason.
+        source: std::io::Error,
+    },
+}
+
+fn known_list(known: &[String]) -> String {
+    match known {
+        [] => String::new(),
+        names => format!(" (running: {})", names.join(", ")),
+    }
+}
+
+impl SessionError {
+    fn io(doing: &'static str, path: &Path, source: std::io::Error) -> SessionError {
+        SessionError::Io {
+            doing,
+            path: path.to_owned(),
+            source,
+        }
+    }
+}
+
+/// A running session, as [`Session::list`] finds it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionInfo {
+    /// Its name.
+    pub name: String,
+    /// Pid of its analog side, if present.
+    pub analog: Option<u32>,
+    /// Pid of its digital side, if present.
+    pub digital: Option<u32>,
+}
+
+/// One side's place in a session; clones share it. The place is given up when
+/// the last clone is dropped, and the last side to leave removes all traces.
+#[derive(Clone, Debug)]
+pub struct Session(Arc<Place>);
+
+#[derive(Debug)]
+struct Place {
+    base: PathBuf,
+    name: String,
+    root: PathBuf,
+    prefix: String,
+    side: Side,
+    /// Held for as long as this side takes part.
+    lock: Option<File>,
+}
+
+impl Session {
+    /// Creates a session in the user's base directory; without a name it gets a fresh one.
+    ///
+    /// # Errors
+    /// [`SessionError`]; a live session of the same name is never disturbed.
+    pub fn create(side: Side, name: Option<&str>) -> Result<Session, SessionError> {
+        Session::create_in(&base_directory(), side, name)
+    }
+
+    /// Joins a session whose other side is alive.
+    ///
+    /// # Errors
+    /// [`SessionError`]; when the other side is gone, what it left is removed first.
+    pub fn join(side: Side, name: &str) -> Result<Session, SessionError> {
+        Session::join_in(&base_directory(), side, name)
+    }
+
+    /// Every session that runs, by name.
+    ///
+    /// # Errors
+    /// [`SessionError`] when the base cannot be read.
+    pub fn list() -> Result<Vec<SessionInfo>, SessionError> {
+        Session::list_in(&base_directory())
+    }
+
+    /// [`Session::create`] in a given base directory.
+    ///
+    /// # Errors
+    /// As [`Session::create`].
+    pub fn create_in(base: &Path, side: Side, name: Option<&str>) -> Result<Session, SessionError> {
+        if let Some(name) = name {
+            check_name(name)?;
+        }
+        let held = BaseLock::create(base)?;
+        sweep(held.path());
+        let name = name.map_or_else(|| fresh_name(held.path()), str::to_owned);
+        let root = root_of(held.path(), &name);
+        match fs::DirBuilder::new().mode(0o700).create(&root) {
+            Ok(()) => {}
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
+                return Err(SessionError::InUse { name });
+            }
+            Err(e) => {
+                held.release();
+                return Err(SessionError::io("creating the session", &root, e));
+            }
+        }
+        let prefix = prefix_of(held.path(), &name);
+        // A namesake's leavings, should its directory have been deleted by hand.
+        remove_shared_memory(&prefix);
+        let lock = take_place(&root, &name, side).inspect_err(|_| {
+            let _ = fs::remove_dir_all(&root);
+        })?;
+        Ok(Session(Arc::new(Place {
+            base: held.path().to_owned(),
+            name,
+            root,
+            prefix,
+            side,
+            lock: Some(lock),
+        })))
+    }
+
+    /// [`Session::join`] in a given base directory.
+    ///
+    /// # Errors
+    /// As [`Session::join`].
+    pub fn join_in(base: &Path, side: Side, name: &str) -> Result<Session, SessionError> {
+        check_name(name)?;
+        let unknown = |known| SessionError::Unknown {
+            name: name.to_owned(),
+            known,
+        };
+        let Some(held) = BaseLock::existing(base)? else {
+            return Err(unknown(Vec::new()));
+        };
+        let root = root_of(held.path(), name);
+        if !root.is_dir() {
+            let known = infos(held.path()).into_iter().map(|i| i.name).collect();
+            return Err(unknown(known));
+        }
+        let prefix = prefix_of(held.path(), name);
+        if !is_held(&lock_path(&root, side.partner())) {
+            if !is_held(&lock_path(&root, side)) {
+                remove_session(&root, &prefix);
+                held.release();
+            }
+            return Err(SessionError::Deserted {
+                name: name.to_owned(),
+                side: side.partner(),
+            });
+        }
+        let lock = take_place(&root, name, side)?;
+        Ok(Session(Arc::new(Place {
+            base: held.path().to_owned(),
+            name: name.to_owned(),
+            root,
+            prefix,
+            side,
+            lock: Some(lock),
+        })))
+    }
+
+    /// [`Session::list`] in a given base directory.
+    ///
+    /// # Errors
+    /// As [`Session::list`].
+    pub fn list_in(base: &Path) -> Result<Vec<SessionInfo>, SessionError> {
+        let Some(held) = BaseLock::existing(base)? else {
+            return Ok(Vec::new());
+        };
+        Ok(infos(held.path()))
+    }
+
+    /// Removes what dead processes left in a base directory.
+    ///
+    /// # Errors
+    /// [`SessionError`] when the base cannot be read.
+    pub fn sweep_in(base: &Path) -> Result<(), SessionError> {
+        if let Some(held) = BaseLock::existing(base)? {
+            sweep(held.path());
+            held.release();
+        }
+        Ok(())
+    }
+
+    /// Name of the session, which the partner joins.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// The side that this process plays.
+    #[must_use]
+    pub fn side(&self) -> Side {
+        self.0.side
+    }
+
+    /// Directory of the session.
+    #[must_use]
+    pub fn root(&self) -> &Path {
+        &self.0.root
+    }
+
+    /// Prefix of the session's shared-memory files.
+    #[must_use]
+    pub fn prefix(&self) -> &str {
+        &self.0.prefix
+    }
+
+    /// The base directory in which the session lives.
+    #[must_use]
+    pub fn base(&self) -> &Path {
+        &self.0.base
+    }
+
+    /// A child just started to be the partner, which has not joined yet. The
+    /// caller must not have reaped it.
+    ///
+    /// # Errors
+    /// [`SessionError::Io`] when no such process exists.
+    pub fn child(&self, pid: u32) -> Result<Partner, SessionError> {
+        Partner::open(self.side().partner(), pid, None)
+            .map_err(|e| SessionError::io("watching the partner", self.root(), e.into()))
+    }
+
+    /// The partner, once it has joined.
+    ///
+    /// # Errors
+    /// [`SessionError`] when the base cannot be locked.
+    pub fn partner(&self) -> Result<Option<Partner>, SessionError> {
+        // Under the base's lock: a held lock file is complete and its pid is its holder's.
+        let Some(_held) = BaseLock::existing(&self.0.base)? else {
+            return Ok(None);
+        };
+        let side = self.side().partner();
+        let path = lock_path(self.root(), side);
+        let Some(pid) = holder(&path) else {
+            return Ok(None);
+        };
+        let partner = Partner::open(side, pid, Some(path)).ok();
+        // Still held after the pidfd was taken: so the pid was the holder's all along.
+        Ok(partner.filter(|partner| !partner.left()))
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let held = BaseLock::existing(&self.base);
+        drop(self.lock.take());
+        // Without the base's lock nothing is removed: the next sweep will do it.
+        if let Ok(Some(held)) = held {
+            if !is_held(&lock_path(&self.root, self.side.partner())) {
+                remove_session(&self.root, &self.prefix);
+            }
+            held.release();
+        }
+    }
+}
+
+fn check_name(name: &str) -> Result<(), SessionError> {
+    let fits = (1..=NAME_LIMIT).contains(&name.len());
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if fits && name.chars().all(plain) {
+        Ok(())
+    } else {
+        Err(SessionError::Name {
+            name: name.to_owned(),
+        })
+    }
+}
+
+/// A name that no session in the base has; the base is locked, so it stays free.
+fn fresh_name(base: &Path) -> String {
+    let nanos = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .map_or(0, |d| d.subsec_nanos());
+    (0_u32..)
+        .map(|n| format!("{}-{:06x}", std::process::id(), nanos.wrapping_add(n) >> 8))
+        .find(|name| !root_of(base, name).exists())
+        .unwrap_or_default()
+}
+
+fn root_of(base: &Path, name: &str) -> PathBuf {
+    base.join(format!("{name}{SUFFIX}"))
+}
+
+fn lock_path(root: &Path, side: Side) -> PathBuf {
+    root.join(format!("{}.lock", side.name()))
+}
+
+/// Fixed length and closed by `_`, so that no prefix is the beginning of another.
+fn prefix_of(base: &Path, name: &str) -> String {
+    let mut sha = Sha256::new();
+    sha.update(base.as_os_str().as_bytes());
+    sha.update([0]);
+    sha.update(name.as_bytes());
+    let hex: String = sha
+        .finalize()
+        .iter()
+        .take(8)
+        .map(|b| format!("{b:02x}"))
+        .collect();
+    format!("hybrid{hex}_")
+}
+
+fn take_place(root: &Path, name: &str, side: Side) -> Result<File, SessionError> {
+    let path = lock_path(root, side);
+    let fail = |e| SessionError::io("taking a place in the session", &path, e);
+    let mut file = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .mode(0o600)
+        .open(&path)
+        .map_err(fail)?;
+    // The partner's liveness check holds a shared lock for microseconds: try again.
+    let taken = (0..20).any(|attempt| {
+        if attempt > 0 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        flock(&file, FlockOperation::NonBlockingLockExclusive) != Err(Errno::WOULDBLOCK)
+    });
+    if !taken {
+        return Err(SessionError::Taken {
+            name: name.to_owned(),
+            side,
+        });
+    }
+    file.set_len(0)
+        .and_then(|()| file.rewind())
+        .and_then(|()| writeln!(file, "{}", std::process::id()))
+        .map_err(fail)?;
+    Ok(file)
+}
+
+/// Pid of the process that holds the lock file; `None` when nobody does.
+fn holder(path: &Path) -> Option<u32> {
+    if !is_held(path) {
+        return None;
+    }
+    let mut text = String::new();
+    File::open(path).ok()?.read_to_string(&mut text).ok()?;
+    text.trim().parse().ok()
+}
+
+/// Names of all our session directories in a base.
+fn names(base: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(base)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter(|entry| entry.file_type().is_ok_and(|t| t.is_dir()))
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter_map(|file| file.strip_suffix(SUFFIX).map(str::to_owned))
+        .filter(|name| check_name(name).is_ok())
+        .collect();
+    names.sort();
+    names
+}
+
+fn infos(base: &Path) -> Vec<SessionInfo> {
+    names(base)
+        .into_iter()
+        .map(|name| {
+            let root = root_of(base, &name);
+            SessionInfo {
+                analog: holder(&lock_path(&root, Side::Analog)),
+                digital: holder(&lock_path(&root, Side::Digital)),
+                name,
+            }
+        })
+        .filter(|info| info.analog.is_some() || info.digital.is_some())
+        .collect()
+}
+
+/// Removes every session in which nobody holds a lock. The base must be locked.
+fn sweep(base: &Path) {
+    for name in names(base) {
+        let root = root_of(base, &name);
+        let alive = [Side::Analog, Side::Digital]
+            .into_iter()
+            .any(|side| is_held(&lock_path(&root, side)));
+        if !alive {
+            remove_session(&root, &prefix_of(base, &name));
+        }
+    }
+}
+
+fn remove_session(root: &Path, prefix: &str) {
+    remove_shared_memory(prefix);
+    let _ = fs::remove_dir_all(root);
+}
+
+fn remove_shared_memory(prefix: &str) {
+    let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+    for entry in entries {
+        if entry.file_name().as_bytes().starts_with(prefix.as_bytes()) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

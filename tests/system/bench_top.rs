@@ -1,0 +1,150 @@
+//! What every system test needs: a private base directory, a place for runs, and
+//! the certainty that nothing is left behind.
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Child, Command, Output, Stdio},
+    time::{Duration, Instant},
+};
+use tempfile::TempDir;
+
+/// A private base directory for sessions and a directory for runs.
+pub struct BenchTop {
+    dir: TempDir,
+}
+
+/// The digital processor's binary.
+pub const DIGITAL: &str = env!("CARGO_BIN_EXE_digital-proc");
+/// The analog processor's binary.
+pub const ANALOG: &str = env!("CARGO_BIN_EXE_analog-proc");
+
+impl BenchTop {
+    pub fn new() -> BenchTop {
+        BenchTop { dir: tempfile::tempdir().unwrap() }
+    }
+
+    /// Where sessions of this test live.
+    pub fn base(&self) -> PathBuf {
+        self.dir.path().join("sessions")
+    }
+
+    /// Where runs of this test are written.
+    pub fn runs(&self) -> PathBuf {
+        self.dir.path().join("runs")
+    }
+
+    /// A command of either binary in this test's own base.
+    pub fn command(&self, binary: &str, args: &[&str]) -> Command {
+        let mut command = Command::new(binary);
+        command
+            .args(args)
+            .env("HYBRID_BASE", self.base())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    /// `digital-proc fly` with its runs in this test's directory.
+    pub fn fly(&self, args: &[&str]) -> Command {
+        let mut command = self.command(DIGITAL, &["fly"]);
+        command.args(args).arg("--out").arg(self.runs());
+        command
+    }
+
+    /// Run directories in the order of their names.
+    pub fn run_directories(&self) -> Vec<PathBuf> {
+        let mut found: Vec<PathBuf> =
+            std::fs::read_dir(self.runs()).map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
+        found.sort();
+        found
+    }
+
+    /// Fails when a session directory or shared memory of this base is left.
+    pub fn assert_clean(&self) {
+        let left: Vec<PathBuf> = std::fs::read_dir(self.base())
+            .map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
+        assert!(left.is_empty(), "left in the base directory: {left:?}");
+    }
+}
+
+/// Runs to the end and fails the test unless it exits with `code`.
+pub fn expect(command: &mut Command, code: i32) -> Output {
+    let output = command.output().unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "{command:?}\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+/// Waits for a child, at most `limit`; kills it and fails the test beyond that.
+pub fn wait_within(mut child: Child, limit: Duration) -> (Output, Duration) {
+    let started = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if started.elapsed() > limit {
+            child.kill().unwrap();
+            let output = child.wait_with_output().unwrap();
+            panic!("still running after {limit:?}: {}", String::from_utf8_lossy(&output.stderr));
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let took = started.elapsed();
+    (child.wait_with_output().unwrap(), took)
+}
+
+/// Pids of live children of `pid` (zombies excluded).
+pub fn children(pid: u32) -> Vec<u32> {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).unwrap_or_default();
+    text.split_whitespace().map(|p| p.parse().unwrap()).collect()
+}
+
+/// The first word of a process' command line.
+pub fn argv0(pid: u32) -> String {
+    let bytes = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+    String::from_utf8_lossy(bytes.split(|b| *b == 0).next().unwrap_or_default()).into_owned()
+}
+
+/// Whether a process runs (a zombie does not).
+pub fn runs(pid: u32) -> bool {
+    std::fs::read_to_string(format!("/proc/{pid}/stat"))
+        .is_ok_and(|stat| !stat.rsplit(')').next().unwrap_or_default().trim_start().starts_with('Z'))
+}
+
+/// Polls until `ready` or the limit; fails the test at the limit.
+pub fn until<T>(what: &str, limit: Duration, mut ready: impl FnMut() -> Option<T>) -> T {
+    let started = Instant::now();
+    loop {
+        if let Some(found) = ready() {
+            return found;
+        }
+        assert!(started.elapsed() < limit, "{what} did not come within {limit:?}");
+        std::thread::sleep(Duration::from_micros(300));
+    }
+}
+
+/// The partner that a digital-proc has started.
+pub fn partner_of(child: &Child) -> u32 {
+    until("the analog side", Duration::from_secs(5), || {
+        children(child.id()).into_iter().find(|p| argv0(*p) == "analog-proc")
+    })
+}
+
+/// Rows of a trace that can be read, whether it was ended or cut off.
+pub fn trace_rows(directory: &Path) -> usize {
+    digital_proc::run_dir::RunDirectory::open(directory)
+        .map(|d| d.read_trace().unwrap().rows())
+        .unwrap_or_else(|_| {
+            digital_proc::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
+        })
+}
+
+/// Sends a signal.
+pub fn signal(pid: u32, signal: rustix::process::Signal) {
+    let pid = rustix::process::Pid::from_raw(pid as i32).unwrap();
+    // The target may have ended by itself in this very moment.
+    let _ = rustix::process::kill_process(pid, signal);
+}

@@ -1,0 +1,71 @@
+//! A flight gives the same trace to the last bit, whatever joins or loads the two sides.
+
+use crate::bench_top::{BenchTop, expect};
+use std::process::Command;
+
+fn trace_of(command: &mut Command, bench: &BenchTop) -> Vec<u8> {
+    let before = bench.run_directories();
+    expect(command, 0);
+    let new = bench.run_directories().into_iter().find(|d| !before.contains(d)).unwrap();
+    std::fs::read(new.join("trace.arrow")).unwrap()
+}
+
+/// The same command on one core only.
+fn pinned(bench: &BenchTop, args: &[&str]) -> Command {
+    let plain = bench.fly(args);
+    let mut command = bench.command("taskset", &["-c", "0"]);
+    command.arg(plain.get_program()).args(plain.get_args());
+    command
+}
+
+#[test]
+fn memory_and_shared_memory_one_core_and_two_fly_alike() {
+    let bench = BenchTop::new();
+    let shm = trace_of(&mut bench.fly(&[]), &bench);
+    assert!(shm == trace_of(&mut bench.fly(&["--link", "memory"]), &bench), "memory link differs");
+    assert!(shm == trace_of(&mut pinned(&bench, &[]), &bench), "one core differs");
+    bench.assert_clean();
+}
+
+#[test]
+fn latency_and_skew_keep_it_deterministic() {
+    let bench = BenchTop::new();
+    let args = ["--until", "12s", "--latency", "20ms", "--skew", "100us"];
+    let shm = trace_of(&mut bench.fly(&args), &bench);
+    let memory: Vec<&str> = args.iter().copied().chain(["--link", "memory"]).collect();
+    assert!(shm == trace_of(&mut bench.fly(&memory), &bench));
+}
+
+#[test]
+fn two_hundred_repeats_are_identical() {
+    let bench = BenchTop::new();
+    let first = trace_of(&mut bench.fly(&["--until", "5s"]), &bench);
+    for repeat in 1..200 {
+        let again = trace_of(&mut bench.fly(&["--until", "5s"]), &bench);
+        assert!(first == again, "repeat {repeat} differs");
+        for directory in bench.run_directories().into_iter().skip(1) {
+            std::fs::remove_dir_all(directory).unwrap();
+        }
+    }
+    bench.assert_clean();
+}
+
+#[test]
+fn load_on_both_cores_changes_nothing() {
+    let bench = BenchTop::new();
+    let quiet = trace_of(&mut bench.fly(&["--until", "10s"]), &bench);
+    let stop = std::sync::atomic::AtomicBool::new(false);
+    let loaded = std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                while !stop.load(std::sync::atomic::Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
+        }
+        let loaded = std::panic::catch_unwind(|| trace_of(&mut bench.fly(&["--until", "10s"]), &bench));
+        stop.store(true, std::sync::atomic::Ordering::Relaxed);
+        loaded.unwrap()
+    });
+    assert!(quiet == loaded);
+}
