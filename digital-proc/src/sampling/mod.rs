@@ -13,6 +13,8 @@ pub mod function_generation;
 pub mod identify;
 #[cfg(test)]
 mod plain_machine;
+pub mod loop_law;
 pub mod plan;
+pub mod study_file;
 pub mod table;
 pub mod theory;
