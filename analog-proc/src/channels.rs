@@ -6,7 +6,7 @@
 //! set to its nearest coefficient. With an ideal profile every stage passes f64.
 
 use crate::{
-    block::dac::DacPiece,
+    block::{dac::DacPiece, logic},
     net::{Kind, NetId, Netlist},
     simulation::Simulation,
 };
@@ -53,7 +53,7 @@ pub struct Channels {
     sense: Vec<Line>,
     /// Control line and its present value.
     control: Vec<(usize, bool)>,
-    edges: Vec<(u32, bool, f64)>,
+    edges: Vec<logic::Edge>,
 }
 
 impl Channels {
@@ -318,10 +318,10 @@ impl Channels {
         simulation.take_edges(&mut self.edges);
         samples.edge_count = self.edges.len().min(EDGES_PER_FRAME) as u32;
         samples.edges_lost = (self.edges.len() - samples.edge_count as usize) as u32;
-        for (slot, &(line, rising, t_s)) in samples.edges.iter_mut().zip(&self.edges) {
+        for (slot, edge) in samples.edges.iter_mut().zip(&self.edges) {
             // Problem time is within 292 years: it always fits a tick.
-            let tick = Tick::from_secs(t_s).unwrap_or_default() + shift;
-            *slot = Edge { tick, line, rising: u32::from(rising) };
+            let tick = Tick::from_secs(edge.t_s).unwrap_or_default() + shift;
+            *slot = Edge { tick, line: edge.line, rising: u32::from(edge.rising) };
         }
         samples.overloads = simulation.overloads().len() as u32;
     }

@@ -10,7 +10,8 @@
 use crate::{
     channels::Channels,
     fault::RunFault,
-    simulation::{Advance, Simulation},
+    mode::Mode,
+    simulation::Simulation,
 };
 use interface::{
     Tick,
@@ -32,7 +33,6 @@ pub fn run(
     let origin = simulation.now();
     channels.set_all(simulation);
     let mut cycle = Cycle {
-        spec,
         simulation,
         channels,
         port,
@@ -86,7 +86,6 @@ enum Over {
 }
 
 struct Cycle<'a> {
-    spec: &'a RunSpec,
     simulation: &'a mut Simulation,
     channels: &'a mut Channels,
     port: &'a mut dyn AnalogPort,
@@ -133,13 +132,13 @@ impl Cycle<'_> {
             return;
         }
         match self.simulation.advance_to(self.origin + to - self.held) {
-            Ok(Advance::Reached) => {}
-            // The overload policy: problem time stands where the overload was located.
-            Ok(Advance::HeldAt(at)) => {
+            Ok(advance) if advance.stopped_by.is_none() => {}
+            Ok(advance) if self.simulation.mode() == Mode::Hold => {
+                // The overload policy: problem time stands where the overload was located.
                 self.holding = true;
-                self.held = self.held + ((self.origin + to - self.held) - at);
+                self.held = self.held + ((self.origin + to - self.held) - advance.reached);
             }
-            Ok(Advance::StoppedAt(_)) => self.over = Some(Over::Ended),
+            Ok(_) => self.over = Some(Over::Ended),
             Err(fault) => self.over = Some(Over::Faulted(fault)),
         }
         self.clock = to;

@@ -13,6 +13,7 @@ use crate::{
     order::Ordered,
     patch,
     simulation::Simulation,
+    static_check::static_check,
 };
 use interface::{
     Tick,
@@ -131,9 +132,9 @@ impl Server {
             }
             Request::StaticCheck => {
                 let loaded = self.loaded()?;
-                loaded.reset()?;
-                let expected = loaded.ordered.netlist.expected.clone();
-                Ok(Reply::StaticCheck(loaded.simulation.static_check(&expected)))
+                static_check(&loaded.ordered, &mut loaded.simulation)
+                    .map(Reply::StaticCheck)
+                    .map_err(|f| f.to_string())
             }
             Request::Diagnose => Ok(Reply::Diagnosis {
                 fault: self.fault.clone(),
@@ -192,7 +193,6 @@ impl Loaded {
         profile: Profile,
     ) -> Result<Loaded, String> {
         let ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
-        crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
         let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
         let mut loaded = Loaded { bundle, profile, params, ics: Vec::new(), ordered, simulation, channels };
@@ -233,7 +233,7 @@ impl Loaded {
             .iter()
             .map(|o| Overload {
                 block: self.ordered.netlist.blocks[o.block.index()].name.clone(),
-                time_s: o.time_s,
+                time_s: o.t_s,
                 value: o.value,
             })
             .collect()

@@ -96,6 +96,10 @@ pub struct Channel {
 
 /// A request of the digital side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a few requests a session; a box would burden every caller"
+)]
 pub enum Request {
     /// First request of a session: both sides compare these.
     Hello {

@@ -5,8 +5,11 @@
 //! and two links behind one pair of traits ([`link`]).
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod coefficient;
 pub mod control;
+pub mod converter;
 pub mod frame;
+pub mod hold;
 pub mod link;
 pub mod profile;
 pub mod protocol;

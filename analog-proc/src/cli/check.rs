@@ -1,7 +1,9 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
 use super::{CHECK_FAILED, Failure, PatchArgs};
-use crate::{net::Kind, order::Ordered, patch, simulation::Simulation};
+use crate::{
+    net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check,
+};
 use interface::{control::StaticCheckLine, profile::Profile};
 
 /// Check a patch.
@@ -22,15 +24,14 @@ impl PatchArgs {
     pub fn compile(&self) -> Result<Compiled, Failure> {
         let faults = |f: patch::PatchFaults| {
             Failure::input(if self.json {
-                serde_json::json!({ "faults": f.to_list() }).to_string()
+                serde_json::json!({ "faults": f.records() }).to_string()
             } else {
                 f.render()
             })
         };
-        let profile = Profile::load(&self.profile).map_err(Failure::input)?;
+        let _profile = Profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
-        crate::check::against_profile(&ordered, &profile).map_err(faults)?;
         Ok(Compiled { hash: patch::hash(&bundle), ordered })
     }
 }
@@ -39,7 +40,7 @@ impl Check {
     pub fn execute(self) -> Result<(), Failure> {
         let Compiled { ordered, hash } = self.patch.compile()?;
         let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
-        let lines = simulation.static_check(&ordered.netlist.expected);
+        let lines = static_check(&ordered, &mut simulation).map_err(Failure::input)?;
         let disagree = lines.iter().filter(|l| !l.agrees).count();
         let count = |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
         let integrators = count(|k| matches!(k, Kind::Integrator { .. } | Kind::Lag { .. }));

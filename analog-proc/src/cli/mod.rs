@@ -4,7 +4,6 @@
 //! process failed.
 
 mod check;
-mod draw;
 mod run;
 mod serve;
 
@@ -38,8 +37,6 @@ enum Command {
     Check(check::Check),
     /// Run a patch by itself and write what is recorded as CSV or Arrow
     Run(run::Run),
-    /// Draw a patch as an SVG wiring diagram in analog-computer symbols
-    Draw(draw::Draw),
     /// Serve a session: the digital side joins it with `digital-proc --attach NAME`
     Serve(serve::Serve),
 }
@@ -87,7 +84,6 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
-        Command::Draw(c) => c.execute(),
         Command::Serve(c) => c.execute(),
     };
     match done {

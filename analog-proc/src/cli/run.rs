@@ -4,7 +4,7 @@ use super::{Failure, PatchArgs, check::Compiled};
 use crate::{
     net::NetId,
     record::{Recorder, RecordFault},
-    simulation::{Advance, Simulation},
+    simulation::Simulation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use interface::Tick;
@@ -46,7 +46,8 @@ impl Run {
             Recorder::create(&self.out, names.iter().map(|(n, _)| n.as_str())).map_err(write)?;
         let progress = Progress::new(self.until);
         let mut failed = None;
-        // Slices only pace the progress bar; they are ends of steps like any other stop.
+        let first: Vec<f64> = nets.iter().map(|n| simulation.net(*n)).collect();
+        recorder.row(0.0, &first).map_err(write)?;
         let end = simulation.advance_recording(self.until, self.every, &nets, |time_s, values| {
             if failed.is_none() {
                 failed = recorder.row(time_s, values).err();
@@ -63,7 +64,7 @@ impl Run {
             .iter()
             .map(|o| {
                 let name = &ordered.netlist.blocks[o.block.index()].name;
-                format!("overload: {name} at {} s ({})", o.time_s, o.value)
+                format!("overload: {name} at {} s ({})", o.t_s, o.value)
             })
             .collect();
         for line in &overloads {
@@ -72,8 +73,8 @@ impl Run {
         let advance = end.map_err(|f| {
             Failure::input(format!("{f}\nrecorded up to there: {}", self.out.display()))
         })?;
-        if let Advance::HeldAt(at) | Advance::StoppedAt(at) = advance {
-            eprintln!("the run ended at {at} by its overload policy");
+        if advance.stopped_by.is_some() {
+            eprintln!("the run ended at {} by its overload policy", advance.reached);
         }
         let s = simulation.statistics();
         let to_file = self.out.as_os_str() != "-";

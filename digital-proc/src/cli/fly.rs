@@ -4,12 +4,12 @@ use super::{Context, Failure, LinkName, MachineArgs};
 use crate::{
     console::Console,
     executive::Rate,
-    flight::{self, AlphaPath, FlightFault, FlightPlan, trace},
+    flight::{self, AlphaPath, FlightFault, FlightPlan, channels::Sampled, trace},
     flight_mode::FlightMode,
     flight_summary::FlightSummary,
     progress::Progress,
     reference::FlightCase,
-    report::{FlightContext, Summary, flight_report},
+    report::{Summary, flight::{FlightContext, flight_report}},
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
     vehicle::Vehicle,
     wind::{Wind, WindDirection},
@@ -205,7 +205,7 @@ impl Fly {
                 self.frame, self.fast
             ))
         })?;
-        let latency = self.latency.unwrap_or_else(|| profile.latency().min(fast_frame));
+        let latency = self.latency.unwrap_or_else(|| profile.total_latency(Sampled::COUNT).min(fast_frame));
         Ok(FlightPlan {
             case,
             step: self.frame,

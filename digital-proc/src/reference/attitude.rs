@@ -2,8 +2,8 @@
 //!
 //! These are the equations that the analog patch is wired for, written a second
 //! time so that the two can be held against each other. Notation: coefficients
-//! of [`AirframeCoefficients`](crate::airframe::AirframeCoefficients), settings
-//! of [`ControlSettings`](crate::flight_mode::ControlSettings), c = cos φ,
+//! of [`AirframeCoefficients`], settings
+//! of [`ControlSettings`], c = cos φ,
 //! s = sin φ, sat(x, m) limits to ±m, dz(x, d) = x − sat(x, d).
 //!
 //! Error resolution through roll (paper §4.2):

@@ -1,5 +1,7 @@
 //! Tests of the data set's reading, validation and derived quantities.
 
+use proptest::prelude::*;
+
 use super::*;
 
 #[test]
@@ -161,4 +163,41 @@ fn data_in_memory_is_validated_too() {
     let mut data = Vehicle::shipped().unwrap().data().clone();
     data.gyro.natural_frequency_radps = f64::INFINITY;
     assert!(Vehicle::from_data(data).is_err());
+}
+
+proptest! {
+    /// A line replaced by anything is refused or accepted, never a panic; an
+    /// accepted set flies its point-mass trajectory to numbers or to an error.
+    #[test]
+    fn no_damaged_file_panics(line in 0usize..190, with in "\\PC{0,40}") {
+        let mut lines: Vec<&str> = SHIPPED_TEXT.lines().collect();
+        let at = line % lines.len();
+        lines[at] = &with;
+        if let Ok(vehicle) = Vehicle::from_toml("damaged.toml", &lines.join("\n")) {
+            let _ = crate::slice::points(&vehicle, &[("early", 2.0)]);
+        }
+    }
+
+    /// Any number in place of any other: faults name their key and line.
+    #[test]
+    fn no_number_panics(pick in 0usize..400, value in any::<f64>()) {
+        let written = format!("{value:?}").replace("NaN", "nan");
+        let numbers: Vec<_> = SHIPPED_TEXT
+            .match_indices(|c: char| c.is_ascii_digit())
+            .filter(|(at, _)| SHIPPED_TEXT[..*at].ends_with("= ") || SHIPPED_TEXT[..*at].ends_with(", "))
+            .collect();
+        let start = numbers[pick % numbers.len()].0;
+        let rest = &SHIPPED_TEXT[start..];
+        let end = start + rest.find([',', ']', ' ', '\n']).unwrap_or(rest.len());
+        let text = format!("{}{written}{}", &SHIPPED_TEXT[..start], &SHIPPED_TEXT[end..]);
+        match Vehicle::from_toml("number.toml", &text) {
+            Ok(vehicle) => {
+                let _ = crate::slice::points(&vehicle, &[("early", 2.0)]);
+            }
+            Err(VehicleError::Faults(faults)) => {
+                prop_assert!(faults.iter().all(|f| f.place.is_some()), "{faults:?}");
+            }
+            Err(other) => prop_assert!(false, "{other}"),
+        }
+    }
 }

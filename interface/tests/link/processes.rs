@@ -1,1 +1,334 @@
+//! Two real processes: killed at any moment, silenced, interrupted, on one core.
+//!
+//! The partner is this test binary again, in the role of the ignored test
+//! `partner`; the launcher of a launcher is `launcher`.
 
+use crate::battery::{assert_nothing_left, load, patience, samples, serve, spec, updates};
+use interface::{
+    Side,
+    control::{Clock, Request},
+    frame::RunState,
+    link::{AnalogPort, DigitalPort, LinkFault, Patience, shm::ShmAnalog, shm::ShmDigital},
+    session::{Session, SessionError},
+};
+use std::{
+    path::Path,
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+
+const BASE: &str = "LINK_TEST_BASE";
+const NAME: &str = "LINK_TEST_NAME";
+/// Within this time either side must have noticed the other's death.
+const NOTICE: Duration = Duration::from_secs(1);
+
+/// Starts this binary in another role. Killed and reaped when dropped.
+struct Role(Child);
+
+impl Role {
+    fn start(role: &str, base: &Path, name: &str) -> Role {
+        let child = Command::new(std::env::current_exe().unwrap())
+            .args([
+                "--exact",
+                &format!("processes::{role}"),
+                "--ignored",
+                "--nocapture",
+            ])
+            .env(BASE, base)
+            .env(NAME, name)
+            .stdout(Stdio::null())
+            .stderr(Stdio::inherit())
+            .spawn()
+            .unwrap();
+        Role(child)
+    }
+
+    fn pid(&self) -> u32 {
+        self.0.id()
+    }
+
+    fn signal(&self, signal: rustix::process::Signal) {
+        let pid = rustix::process::Pid::from_child(&self.0);
+        rustix::process::kill_process(pid, signal).unwrap();
+    }
+}
+
+impl Drop for Role {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn told() -> Option<(std::path::PathBuf, String)> {
+    Some((std::env::var_os(BASE)?.into(), std::env::var(NAME).ok()?))
+}
+
+/// Serves frames until the partner ends or dies; what it says then is its exit code.
+fn analog_life(port: &mut impl AnalogPort) -> Result<(), LinkFault> {
+    while serve(port)? {
+        for n in 0.. {
+            port.send_samples(&samples(n, RunState::Operate))?;
+            if port.await_updates(n)?.mode_command() == interface::frame::ModeCommand::End {
+                port.send_samples(&samples(n + 1, RunState::Ended))?;
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The analog side of most tests here.
+#[test]
+#[ignore = "a role that other tests start as a process"]
+fn partner() {
+    let Some((base, name)) = told() else { return };
+    let session = match Session::join_in(&base, Side::Analog, &name) {
+        Ok(session) => session,
+        Err(SessionError::Deserted { .. } | SessionError::Unknown { .. }) => return,
+        Err(error) => panic!("{error}"),
+    };
+    let life = ShmAnalog::open(&session, None, &patience()).and_then(|mut p| analog_life(&mut p));
+    drop(session);
+    match life {
+        Ok(()) => {}
+        // The message names the dead side.
+        Err(fault) => {
+            let text = fault.to_string();
+            assert!(text.starts_with("digital-proc is gone"), "{text}");
+            // A file beside the base tells the test that we noticed.
+            std::fs::write(base.with_extension("noticed"), text).unwrap();
+        }
+    }
+}
+
+/// A digital side that starts a partner and runs until it is killed.
+#[test]
+#[ignore = "a role that other tests start as a process"]
+fn launcher() {
+    let Some((base, name)) = told() else { return };
+    let session = Session::create_in(&base, Side::Digital, Some(&name)).unwrap();
+    let child = Role::start("partner", &base, &name);
+    let pids = base.with_extension("pid");
+    std::fs::write(&pids, child.pid().to_string()).unwrap();
+    let mut port = ShmDigital::open(&session, Some(child.pid()), &patience()).unwrap();
+    let _ = digital_life(&mut port, u64::MAX);
+}
+
+fn digital_life(port: &mut impl DigitalPort, frames: u64) -> Result<(), LinkFault> {
+    load(port);
+    port.request(&Request::Operate(spec(Clock::LockStep)))?;
+    for n in 0..frames {
+        let got = port.await_samples(n)?;
+        assert_eq!(got, samples(n, RunState::Operate));
+        let mut answer = updates(&got);
+        if n + 1 == frames {
+            answer.mode = interface::frame::ModeCommand::End as u32;
+        }
+        port.send_updates(&answer)?;
+    }
+    port.await_samples(frames)?;
+    port.request(&Request::Bye)?;
+    Ok(())
+}
+
+/// A whole session with a child; gives the time from start to the first frame.
+fn fly(base: &Path, frames: u64) {
+    let session = Session::create_in(base, Side::Digital, None).unwrap();
+    let child = Role::start("partner", base, session.name());
+    let mut port = ShmDigital::open(&session, Some(child.pid()), &patience()).unwrap();
+    digital_life(&mut port, frames).unwrap();
+    drop(port);
+    let mut child = child;
+    assert!(child.0.wait().unwrap().success());
+}
+
+#[test]
+fn two_processes_exchange_frames() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    for _ in 0..3 {
+        fly(&base, 2000);
+        assert!(!base.exists());
+    }
+    let ours = std::fs::read_dir("/dev/shm").unwrap().count();
+    assert!(ours < 1000);
+}
+
+#[test]
+fn two_processes_share_one_core() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    // The child inherits this thread's mask, and both then run on one core.
+    let base = &base;
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            let all = rustix::thread::sched_getaffinity(None).unwrap();
+            let mut one = rustix::thread::CpuSet::new();
+            let core = (0..rustix::thread::CpuSet::MAX_CPU)
+                .find(|c| all.is_set(*c))
+                .unwrap();
+            one.set(core);
+            rustix::thread::sched_setaffinity(None, &one).unwrap();
+            let start = Instant::now();
+            fly(base, 2000);
+            // Two pure spinners on one core take 8 ms a round trip, 16 s in all.
+            assert!(
+                start.elapsed() < Duration::from_secs(8),
+                "{:?}",
+                start.elapsed()
+            );
+        });
+    });
+    assert!(!base.exists());
+}
+
+#[test]
+fn the_launcher_notices_a_kill_at_any_moment() {
+    // From before the child's first instruction to the middle of its frames.
+    for delay_us in [
+        0, 300, 1_000, 2_000, 3_000, 4_000, 5_000, 6_000, 8_000, 12_000, 20_000, 60_000,
+    ] {
+        let dir = tempfile::tempdir().unwrap();
+        let base = dir.path().join("base");
+        let session = Session::create_in(&base, Side::Digital, None).unwrap();
+        let prefix = session.prefix().to_owned();
+        let child = Role::start("partner", &base, session.name());
+        let pid = child.pid();
+        let killer = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_micros(delay_us));
+            let at = Instant::now();
+            child.signal(rustix::process::Signal::KILL);
+            (at, child)
+        });
+        let fault = match ShmDigital::open(&session, Some(pid), &patience()) {
+            Ok(mut port) => {
+                let request = port.request(&Request::StaticCheck);
+                let life = request.and_then(|_| digital_life_or_fault(&mut port));
+                life.unwrap_err()
+            }
+            Err(fault) => fault,
+        };
+        let noticed = Instant::now();
+        let (killed, child) = killer.join().unwrap();
+        let text = fault.to_string();
+        assert!(
+            text.starts_with("analog-proc is gone (last frame "),
+            "{delay_us}: {text}"
+        );
+        assert!(text.contains("signal 9"), "{delay_us}: {text}");
+        let delay = noticed.saturating_duration_since(killed);
+        assert!(delay < NOTICE, "{delay_us} us: noticed after {delay:?}");
+        drop((session, child));
+        assert_nothing_left(&base, &prefix);
+    }
+}
+
+fn digital_life_or_fault(port: &mut impl DigitalPort) -> Result<(), LinkFault> {
+    let bundle = interface::control::PatchBundle::default();
+    port.request(&Request::Load {
+        bundle,
+        params: vec![],
+        profile: interface::profile::Profile::ideal(),
+    })?;
+    port.request(&Request::Operate(spec(Clock::LockStep)))?;
+    for n in 0.. {
+        let got = port.await_samples(n)?;
+        port.send_updates(&updates(&got))?;
+    }
+    Ok(())
+}
+
+#[test]
+fn the_child_survives_its_launcher_and_cleans_up() {
+    for delay_ms in [0, 5, 10, 15, 20, 30, 40, 60, 100] {
+        let dir = tempfile::tempdir().unwrap();
+        let base = dir.path().join("base");
+        let launcher = Role::start("launcher", &base, "doomed");
+        // Until the launcher has started its child, there is no survivor to test.
+        let pids = base.with_extension("pid");
+        let start = Instant::now();
+        let child = loop {
+            let pid = std::fs::read_to_string(&pids).unwrap_or_default();
+            if let Ok(pid) = pid.parse::<i32>() {
+                break rustix::process::Pid::from_raw(pid).unwrap();
+            }
+            assert!(start.elapsed() < Duration::from_secs(10), "no child came");
+            std::thread::sleep(Duration::from_micros(100));
+        };
+        std::thread::sleep(Duration::from_millis(delay_ms));
+        launcher.signal(rustix::process::Signal::KILL);
+        let killed = Instant::now();
+        // The child is not ours: a pidfd tells when it is gone.
+        let fd = rustix::process::pidfd_open(child, rustix::process::PidfdFlags::empty());
+        if let Ok(fd) = fd {
+            let mut polled = [rustix::event::PollFd::new(
+                &fd,
+                rustix::event::PollFlags::IN,
+            )];
+            let limit = rustix::time::Timespec {
+                tv_sec: 5,
+                tv_nsec: 0,
+            };
+            rustix::event::poll(&mut polled, Some(&limit)).unwrap();
+        }
+        let delay = killed.elapsed();
+        assert!(
+            delay < NOTICE,
+            "{delay_ms} ms: the child ended after {delay:?}"
+        );
+        if let Ok(text) = std::fs::read_to_string(base.with_extension("noticed")) {
+            assert!(text.contains("(last frame "), "{text}");
+        }
+        let canonical = dir.path().canonicalize().unwrap().join("base");
+        assert!(
+            !canonical.exists(),
+            "{delay_ms} ms: {} is left",
+            canonical.display()
+        );
+    }
+}
+
+#[test]
+fn a_stopped_partner_meets_the_deadline() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    let session = Session::create_in(&base, Side::Digital, None).unwrap();
+    let child = Role::start("partner", &base, session.name());
+    let impatient = Patience {
+        silence: Duration::from_millis(400),
+        ..Patience::default()
+    };
+    let mut port = ShmDigital::open(&session, Some(child.pid()), &impatient).unwrap();
+    port.request(&Request::StaticCheck).unwrap();
+    child.signal(rustix::process::Signal::STOP);
+    let start = Instant::now();
+    let fault = port.request(&Request::Diagnose).unwrap_err();
+    assert!(
+        matches!(
+            fault,
+            LinkFault::Deadline {
+                side: "analog-proc",
+                ..
+            }
+        ),
+        "{fault}"
+    );
+    // A stopped process uses no processor time, so the first window decides: 0.4 s and one slice.
+    assert!(start.elapsed() < Duration::from_secs(2));
+    drop((port, child, session));
+    assert!(!base.exists());
+}
+
+#[test]
+fn sessions_side_by_side_do_not_disturb_each_other() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    let base = &base;
+    std::thread::scope(|scope| {
+        for _ in 0..50 {
+            scope.spawn(move || fly(base, 50));
+        }
+    });
+    assert!(!base.exists());
+}

@@ -1,0 +1,128 @@
+//! Piecewise-linear functions of one sum: limiter, dead zone, absolute value,
+//! fixed and digitally set function generators.
+//!
+//! A curve of n breakpoints has n + 1 pieces. Within a step one piece is in
+//! force and is extended as a straight line; leaving its interval is an event.
+
+use crate::machine::{Frozen, Term};
+
+/// A straight line `y = y0 + slope·(u − x0)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Piece {
+    pub x0: f64,
+    pub y0: f64,
+    pub slope: f64,
+}
+
+impl Piece {
+    pub fn flat(y0: f64) -> Piece {
+        Piece { x0: 0.0, y0, slope: 0.0 }
+    }
+
+    #[inline(always)]
+    pub fn at(self, u: f64) -> f64 {
+        self.y0 + self.slope * (u - self.x0)
+    }
+}
+
+/// A curve: its breakpoints and pieces lie in the machine's flat tables.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Curve {
+    pub u: Term,
+    pub start: u32,
+    pub len: u32,
+    pub pieces: u32,
+    /// A corner counts as crossed when it is exceeded by this much, so that rounding
+    /// noise of a signal at rest on a corner makes no events.
+    pub band: f64,
+}
+
+/// Rounding of a signal as large as the corner itself: a few units in its last place.
+const CORNER_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Noise band of a set of corners.
+pub(crate) fn band(corners: &[f64]) -> f64 {
+    let greatest = corners.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if greatest.is_finite() { CORNER_ROUNDING * greatest } else { 0.0 }
+}
+
+impl Curve {
+    fn corners<'a>(&self, breakpoints: &'a [f64]) -> &'a [f64] {
+        &breakpoints[self.start as usize..(self.start + self.len) as usize]
+    }
+
+    /// Distance beyond the interval of the present piece; positive outside.
+    #[inline]
+    pub fn margin(&self, region: u32, breakpoints: &[f64], nets: &[f64]) -> f64 {
+        let u = self.u.of(nets);
+        let corners = self.corners(breakpoints);
+        let r = region as usize;
+        let mut margin = f64::NEG_INFINITY;
+        if r > 0 {
+            margin = corners[r - 1] - u;
+        }
+        if let Some(high) = corners.get(r) {
+            margin = margin.max(u - high);
+        }
+        margin - self.band
+    }
+
+    pub fn locate(&self, breakpoints: &[f64], nets: &[f64]) -> u32 {
+        let u = self.u.of(nets);
+        self.corners(breakpoints).partition_point(|x| *x < u) as u32
+    }
+
+    pub fn install(&self, region: u32, f: &mut Frozen, element: usize) {
+        f.piece[element] = f.pieces[(self.pieces + region) as usize];
+    }
+}
+
+/// Pieces of a table: flat beyond its ends.
+pub(crate) fn pieces_of_table(x: &[f64], y: &[f64]) -> Vec<Piece> {
+    let mut pieces = Vec::with_capacity(x.len() + 1);
+    pieces.extend(y.first().map(|y| Piece::flat(*y)));
+    for (x, y) in x.windows(2).zip(y.windows(2)) {
+        pieces.push(Piece { x0: x[0], y0: y[0], slope: (y[1] - y[0]) / (x[1] - x[0]) });
+    }
+    pieces.extend(y.last().map(|y| Piece::flat(*y)));
+    pieces
+}
+
+/// Pieces of a dead zone of half width `w`.
+pub(crate) fn pieces_of_dead_zone(w: f64) -> [Piece; 3] {
+    [
+        Piece { x0: -w, y0: 0.0, slope: 1.0 },
+        Piece::flat(0.0),
+        Piece { x0: w, y0: 0.0, slope: 1.0 },
+    ]
+}
+
+/// Pieces of a limiter.
+pub(crate) fn pieces_of_limiter(low: f64, high: f64) -> [Piece; 3] {
+    [Piece::flat(low), Piece { x0: 0.0, y0: 0.0, slope: 1.0 }, Piece::flat(high)]
+}
+
+/// Pieces of the absolute value.
+pub(crate) fn pieces_of_abs() -> [Piece; 2] {
+    [Piece { x0: 0.0, y0: 0.0, slope: -1.0 }, Piece { x0: 0.0, y0: 0.0, slope: 1.0 }]
+}
+
+/// A curve whose ordinates are held in coefficient units (Rubin's function generator).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DigitalFunction {
+    pub element: u32,
+    pub curve: Curve,
+    /// First ordinate in the flat array of coefficients.
+    pub first: u32,
+}
+
+impl DigitalFunction {
+    /// Rewrites the pieces from the ordinates now held.
+    pub fn load(&self, breakpoints: &[f64], f: &mut Frozen) {
+        let first = self.first as usize;
+        let x = self.curve.corners(breakpoints);
+        let fresh = pieces_of_table(x, &f.dcus[first..first + x.len()]);
+        let start = self.curve.pieces as usize;
+        f.pieces[start..start + fresh.len()].copy_from_slice(&fresh);
+    }
+}

@@ -1,0 +1,293 @@
+//! Lowering: each kind of block becomes operations, elements and stores of the machine.
+//!
+//! Blocks are grouped by concept; this file walks the evaluation order and
+//! holds the builder that all of them use. A compound block (lag, follower,
+//! backlash) becomes the wiring that a programmer would patch for it.
+
+pub(crate) mod curve;
+pub mod dac;
+pub(crate) mod delay;
+pub(crate) mod friction;
+pub(crate) mod function;
+pub(crate) mod integrator;
+pub mod logic;
+mod lower;
+pub(crate) mod piecewise;
+pub(crate) mod source;
+pub(crate) mod surface;
+
+use curve::{Curve, Piece, band};
+use piecewise::Piecewise;
+
+use crate::fault::RunFault;
+use crate::machine::{Machine, Op, Rates, Settle, Slot, Term};
+use crate::net::{BlockId, Input, Kind, Level};
+use crate::order::Ordered;
+use crate::overload::OVERLOAD_FACTOR;
+
+/// The machine under construction.
+struct Lowering {
+    m: Machine,
+    /// Whether a slot varies within a step.
+    varying: Vec<bool>,
+    block: BlockId,
+}
+
+fn holds_state(kind: &Kind) -> bool {
+    matches!(
+        kind,
+        Kind::Integrator { .. }
+            | Kind::RateLimiter { .. }
+            | Kind::Backlash { .. }
+            | Kind::Lag { .. }
+    )
+}
+
+/// Lowers an ordered net.
+pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
+    let netlist = &ordered.netlist;
+    let mut states = 0_u32;
+    let mut slot_of_net = vec![u32::MAX; netlist.nets.len()];
+    let mut state_of_block = vec![None; netlist.blocks.len()];
+    let mut block_of_state = Vec::new();
+    let mut scales = Vec::new();
+    for (i, block) in netlist.blocks.iter().enumerate() {
+        if holds_state(&block.kind)
+            && let Some(net) = block.outputs.first()
+        {
+            slot_of_net[net.index()] = states;
+            state_of_block[i] = Some(states);
+            block_of_state.push(BlockId(i as u32));
+            scales.push(block.max.filter(|m| *m > 0.0).unwrap_or(1.0));
+            states += 1;
+        }
+    }
+    let mut slots = states;
+    for slot in &mut slot_of_net {
+        if *slot == u32::MAX {
+            *slot = slots;
+            slots += 1;
+        }
+    }
+    let mut block_of_slot = vec![BlockId(0); slots as usize];
+    for (net, slot) in netlist.nets.iter().zip(&slot_of_net) {
+        block_of_slot[*slot as usize] = net.driver;
+    }
+    let mut varying = vec![false; slots as usize];
+    varying[..states as usize].fill(true);
+    let mut lowering = Lowering {
+        m: Machine {
+            states: states as usize,
+            slots: slots as usize,
+            slot_of_net,
+            state_of_block,
+            block_of_slot,
+            net_names: netlist.nets.iter().map(|n| n.name.clone()).collect(),
+            block_names: netlist.blocks.iter().map(|b| b.name.clone()).collect(),
+            block_of_state,
+            settle: Vec::new(),
+            fast: Vec::new(),
+            rates: Rates::default(),
+            terms: Vec::new(),
+            ics: vec![0.0; states as usize],
+            scales,
+            initial_nets: vec![0.0; slots as usize],
+            elements: Vec::new(),
+            watched: Vec::new(),
+            breakpoints: Vec::new(),
+            initial_pieces: Vec::new(),
+            tables: Vec::new(),
+            controls: Vec::new(),
+            stores: Vec::new(),
+            track_ics: Vec::new(),
+            timers: Vec::new(),
+            waves: Vec::new(),
+            noises: Vec::new(),
+            lines: Vec::new(),
+            dac_channels: Vec::new(),
+            dcu_channels: Vec::new(),
+            digital_functions: Vec::new(),
+            senses: Vec::new(),
+            control_lines: Vec::new(),
+            step_cap_s: f64::INFINITY,
+        },
+        varying,
+        block: BlockId(0),
+    };
+    for id in &ordered.order {
+        lowering.block = *id;
+        lowering.outputs(ordered)?;
+    }
+    // Stores read nets that come later in the order: their inputs are wired last.
+    for id in &ordered.order {
+        lowering.block = *id;
+        lowering.inputs_of_stores(ordered)?;
+    }
+    let m = &mut lowering.m;
+    let state_ops = m.fast.len();
+    m.fast.reserve_exact(state_ops);
+    Ok(lowering.m)
+}
+
+impl Lowering {
+    fn malformed(&self, reason: &'static str) -> RunFault {
+        RunFault::Malformed { block: self.m.block_name(self.block), reason }
+    }
+
+    fn term(&self, input: &Input) -> Term {
+        Term { slot: self.slot(input.net), c: input.coefficient }
+    }
+
+    fn slot(&self, net: crate::net::NetId) -> Slot {
+        self.m.slot_of_net[net.index()]
+    }
+
+    fn terms(&self, inputs: &[Input]) -> Vec<Term> {
+        inputs.iter().map(|i| self.term(i)).collect()
+    }
+
+    fn hidden(&mut self) -> Slot {
+        let slot = self.m.slots as Slot;
+        self.m.slots += 1;
+        self.m.initial_nets.push(0.0);
+        self.m.block_of_slot.push(self.block);
+        self.varying.push(false);
+        slot
+    }
+
+    fn constant(&mut self, value: f64) -> Slot {
+        let slot = self.hidden();
+        self.m.initial_nets[slot as usize] = value;
+        slot
+    }
+
+    fn level(&mut self, level: Level) -> Slot {
+        match level {
+            Level::Fixed(value) => self.constant(value),
+            Level::Net(net) => self.slot(net),
+        }
+    }
+
+    fn vary(&self, slots: &[Slot]) -> bool {
+        slots.iter().any(|s| self.varying[*s as usize])
+    }
+
+    fn push(&mut self, op: Op, outputs: &[Slot], varying: bool) {
+        for o in outputs {
+            self.varying[*o as usize] |= varying;
+        }
+        self.m.settle.push(Settle::Op(op));
+        if varying {
+            self.m.fast.push(op);
+        }
+    }
+
+    fn store_terms(&mut self, terms: &[Term]) -> (u32, u32) {
+        let start = self.m.terms.len() as u32;
+        self.m.terms.extend_from_slice(terms);
+        (start, terms.len() as u32)
+    }
+
+    /// `o = Σ terms`.
+    fn sum_into(&mut self, o: Slot, terms: &[Term]) {
+        let slots: Vec<Slot> = terms.iter().map(|t| t.slot).collect();
+        let varying = self.vary(&slots);
+        let op = match *terms {
+            [a] => Op::Sum1 { o, a: a.slot, ca: a.c },
+            [a, b] => Op::Sum2 { o, a: a.slot, b: b.slot, ca: a.c, cb: b.c },
+            [a, b, d] => {
+                Op::Sum3 { o, a: a.slot, b: b.slot, d: d.slot, ca: a.c, cb: b.c, cd: d.c }
+            }
+            _ => {
+                let (start, len) = self.store_terms(terms);
+                Op::SumN { o, start, len }
+            }
+        };
+        self.push(op, &[o], varying);
+    }
+
+    /// One term that carries `Σ inputs`, through a hidden net where there are several.
+    fn sum(&mut self, inputs: &[Input]) -> Result<Term, RunFault> {
+        let terms = self.terms(inputs);
+        match *terms {
+            [] => Err(self.malformed("it needs at least one input")),
+            [one] => Ok(one),
+            _ => {
+                let slot = self.hidden();
+                self.sum_into(slot, &terms);
+                Ok(Term { slot, c: 1.0 })
+            }
+        }
+    }
+
+    fn exactly<const N: usize>(&self, inputs: &[Input]) -> Result<[Term; N], RunFault> {
+        <[Term; N]>::try_from(self.terms(inputs)).map_err(|_| self.malformed("wrong number of inputs"))
+    }
+
+    /// Adds an element and its decision; `reads` are the nets of its witness.
+    fn element(&mut self, element: Piecewise, reads: &[Slot]) -> u32 {
+        let e = self.m.elements.len() as u32;
+        self.m.elements.push((self.block, element));
+        self.m.settle.push(Settle::Decide(e));
+        if self.vary(reads) {
+            self.m.watched.push(e);
+        }
+        e
+    }
+
+    fn curve(&mut self, u: Term, corners: &[f64], pieces: &[Piece]) -> (u32, Curve) {
+        let curve = Curve {
+            u,
+            start: self.m.breakpoints.len() as u32,
+            len: corners.len() as u32,
+            pieces: self.m.initial_pieces.len() as u32,
+            band: band(corners),
+        };
+        self.m.breakpoints.extend_from_slice(corners);
+        self.m.initial_pieces.extend_from_slice(pieces);
+        (self.element(Piecewise::Curve(curve), &[u.slot]), curve)
+    }
+
+    /// `o = curve(u)`.
+    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> (u32, Curve) {
+        let (e, curve) = self.curve(u, corners, pieces);
+        let varying = self.vary(&[u.slot]);
+        self.push(Op::Curve { o, e, a: u.slot, c: u.c }, &[o], varying);
+        (e, curve)
+    }
+
+    fn overload(&mut self, o: Slot, max: Option<f64>) {
+        if let Some(max) = max {
+            let level = OVERLOAD_FACTOR * max.abs();
+            self.element(Piecewise::Overload { net: o, level }, &[o]);
+        }
+    }
+
+    fn rate(&mut self, state: u32, terms: &[Term]) {
+        match *terms {
+            [a] => self.m.rates.one.push((state, a)),
+            [a, b] => self.m.rates.two.push((state, a, b)),
+            [a, b, c] => self.m.rates.three.push((state, a, b, c)),
+            _ => {
+                let (start, len) = self.store_terms(terms);
+                self.m.rates.many.push((state, start, len));
+            }
+        }
+    }
+
+    fn dac(&mut self, channel: u32, initial: f64) -> u32 {
+        let known = self.m.dac_channels.iter().position(|d| d.0 == channel);
+        known.unwrap_or_else(|| {
+            self.m.dac_channels.push((channel, initial));
+            self.m.dac_channels.len() - 1
+        }) as u32
+    }
+
+    fn dcu(&mut self, channel: u32, initial: f64) -> u32 {
+        let known = self.m.dcu_channels.iter().position(|d| d.0 == channel);
+        known.unwrap_or_else(|| {
+            self.m.dcu_channels.push((channel, initial));
+            self.m.dcu_channels.len() - 1
+        }) as u32
+    }
+}

@@ -1,0 +1,174 @@
+//! Third stage: the typed net as a machine would see it.
+//!
+//! Checks what one block cannot know of itself: that logic is wired to logic
+//! and analog to analog, that no two blocks claim a channel, that there is
+//! anything at all, and that a machine profile has the blocks. Closed paths are
+//! the business of [`crate::order`].
+
+use crate::net::{Block, Kind, NetId, Netlist, Span};
+use crate::patch::{Draft, Faults, PatchFault};
+use miette::LabeledSpan;
+use std::collections::HashMap;
+
+/// A net that has been checked; only [`crate::order`] can use it, together with the faults found.
+#[derive(Debug)]
+pub(crate) struct Checked {
+    pub(crate) draft: Draft,
+}
+
+/// Whether a kind takes logic inputs.
+#[must_use]
+pub fn takes_logic(kind: &Kind) -> bool {
+    matches!(
+        kind,
+        Kind::And
+            | Kind::Or
+            | Kind::Not
+            | Kind::FlipFlop { .. }
+            | Kind::OneShot { .. }
+            | Kind::Counter { .. }
+            | Kind::Sense { .. }
+            | Kind::Interrupt { .. }
+    )
+}
+
+/// Checks a draft; faults are added to those of the stages before.
+pub(crate) fn check(draft: Draft, faults: &mut Faults) -> Checked {
+    let netlist = &draft.netlist;
+    if netlist.blocks.is_empty() && faults.is_empty() {
+        faults.push(Span::default(), |src, at| PatchFault::NoBlocks {
+            src,
+            at,
+            help: "add [blocks] with at least one line, such as x = { kind = \"integrator\", in = [\"-1 * x\"], ic = 1.0 }".into(),
+        });
+    }
+    for (index, block) in netlist.blocks.iter().enumerate() {
+        if !draft.broken[index] {
+            wiring(block, &draft, faults);
+        }
+    }
+    channels(&draft, faults);
+    Checked { draft }
+}
+
+/// Logic to logic, analog to analog.
+fn wiring(block: &Block, draft: &Draft, faults: &mut Faults) {
+    let wants_logic = takes_logic(&block.kind);
+    for input in &block.inputs {
+        expect(wants_logic, input.net, input.span, block, draft, faults);
+        if wants_logic && input.coefficient != 1.0 {
+            let net = draft.netlist.nets[input.net.index()].name.clone();
+            faults.push(input.span, |src, at| PatchFault::LogicCoefficient {
+                src,
+                at,
+                net,
+                help: "logic is 0 or 1; invert it with a `not` block".into(),
+            });
+        }
+    }
+    let logic_fields: Vec<NetId> = match &block.kind {
+        Kind::Integrator { operate, reset, .. } => operate.iter().chain(reset).copied().collect(),
+        Kind::Switch { control } => vec![*control],
+        Kind::TrackStore { track, .. } => vec![*track],
+        _ => Vec::new(),
+    };
+    for net in block.kind.side_nets() {
+        let is_logic = logic_fields.contains(&net);
+        expect(is_logic, net, block.span, block, draft, faults);
+    }
+}
+
+fn expect(
+    wants_logic: bool,
+    net: NetId,
+    at: Span,
+    block: &Block,
+    draft: &Draft,
+    faults: &mut Faults,
+) {
+    let net = &draft.netlist.nets[net.index()];
+    let driver = net.driver.index();
+    // A broken driver is a stand-in; what it drives is not known.
+    if draft.broken[driver] || draft.netlist.blocks[driver].kind.is_logic() == wants_logic {
+        return;
+    }
+    let (name, owner) = (net.name.clone(), format!("`{}`", block.name));
+    if wants_logic {
+        faults.push(at, |src, at| PatchFault::AnalogForLogic {
+            src,
+            at,
+            help: format!("a `comparator` makes logic of it: {{ kind = \"comparator\", in = [\"{name}\"], threshold = 0.5 }}"),
+            net: name,
+            owner,
+        });
+    } else {
+        faults.push(at, |src, at| PatchFault::LogicForAnalog {
+            src,
+            at,
+            help: format!("a `switch` makes an analog value of it: {{ kind = \"switch\", in = [\"one\", \"zero\"], control = \"{name}\" }}"),
+            net: name,
+            owner,
+        });
+    }
+}
+
+/// Channel numbers that a kind claims: what, first, how many.
+fn claims(kind: &Kind) -> Option<(&'static str, u32, usize)> {
+    Some(match kind {
+        Kind::Adc { channel } => ("ADC channel", *channel, 1),
+        Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => ("DAC channel", *channel, 1),
+        Kind::Dcu { channel, .. } => ("DCU", *channel, 1),
+        Kind::DigitalFunction {
+            x, first_channel, ..
+        } => ("DCU", *first_channel, x.len()),
+        Kind::Sense { line } => ("sense line", *line, 1),
+        Kind::Control { line, .. } => ("control line", *line, 1),
+        Kind::Interrupt { line } => ("interrupt line", *line, 1),
+        _ => return None,
+    })
+}
+
+fn channels(draft: &Draft, faults: &mut Faults) {
+    let mut taken: HashMap<(&'static str, u32), Span> = HashMap::new();
+    for (block, broken) in draft.netlist.blocks.iter().zip(&draft.broken) {
+        let Some((what, first, count)) = claims(&block.kind).filter(|_| !broken) else {
+            continue;
+        };
+        let end = first.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
+        for number in first..end {
+            let Some(earlier) = taken.insert((what, number), block.span) else {
+                continue;
+            };
+            let is_same_file = earlier.file == block.span.file && earlier != block.span;
+            let start = earlier.start as usize;
+            let length = (earlier.end - earlier.start) as usize;
+            let first = is_same_file.then(|| LabeledSpan::new(None, start, length));
+            faults.push(block.span, |src, at| PatchFault::ChannelTwice {
+                src,
+                at,
+                what,
+                number,
+                first: first.into_iter().collect(),
+                help: "give each block a channel of its own; in a sub-patch make it a parameter"
+                    .into(),
+            });
+            break;
+        }
+    }
+}
+
+/// Number of blocks of each class that a net needs.
+#[must_use]
+pub fn needs(
+    netlist: &Netlist,
+    class: impl Fn(&Kind) -> Option<&'static str>,
+) -> Vec<(&'static str, u32)> {
+    let mut needs: Vec<(&'static str, u32)> = Vec::new();
+    for name in netlist.blocks.iter().filter_map(|b| class(&b.kind)) {
+        match needs.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, count)) => *count += 1,
+            None => needs.push((name, 1)),
+        }
+    }
+    needs
+}

@@ -1,0 +1,123 @@
+//! Settling an instant: logic, regions, resets and stores, to a fixed point.
+//!
+//! A pass evaluates every block in order and lets each element choose its region
+//! from the values as they are; after it, all storing elements act at once on
+//! what the pass found, and resets take the values of before the pass. Passes
+//! repeat until nothing moves; a bound turns a race into a fault. Locating the
+//! instant is the simulation's part.
+
+use crate::block::logic::Edge;
+use crate::block::piecewise::Fatal;
+use crate::fault::RunFault;
+use crate::machine::{Frozen, Machine, Op, Settle};
+use crate::net::BlockId;
+use crate::overload::LatchedOverload;
+
+/// Passes beyond one for each store: room for chains through switches and limits.
+const SPARE_PASSES: usize = 64;
+
+/// What a settling reports.
+#[derive(Debug, Default)]
+pub(crate) struct Happenings {
+    pub edges: Vec<Edge>,
+    pub overloads: Vec<LatchedOverload>,
+}
+
+pub(crate) fn fatal(machine: &Machine, block: BlockId, fatal: Fatal, t_s: f64) -> RunFault {
+    let block = machine.block_name(block);
+    match fatal {
+        Fatal::DividedByZero => RunFault::DividedByZero { block, t_s },
+        Fatal::NegativeRoot => RunFault::NegativeRoot { block, t_s },
+    }
+}
+
+impl Machine {
+    /// Brings every net, region and store to rest at `t_s`.
+    #[allow(clippy::too_many_arguments, reason = "the parts of the running state, borrowed apart")]
+    pub(crate) fn settle(
+        &self,
+        f: &mut Frozen,
+        ics: &[f64],
+        t_s: f64,
+        nets: &mut [f64],
+        before: &mut [f64],
+        initial: bool,
+        happenings: &mut Happenings,
+    ) -> Result<(), RunFault> {
+        let bound = SPARE_PASSES + 2 * (self.stores.len() + self.controls.len());
+        let mut movers = Vec::new();
+        for pass in 0..bound {
+            before.copy_from_slice(nets);
+            let last = pass + 1 == bound;
+            let mut moved = self.pass(f, t_s, nets, happenings)?;
+            for (i, store) in self.stores.iter().enumerate() {
+                if store.act(i, f, nets, t_s, initial, &mut happenings.edges) {
+                    moved = true;
+                    if last {
+                        movers.push(store.output());
+                    }
+                }
+            }
+            for (i, control) in self.controls.iter().enumerate() {
+                if control.apply(i, self.stores.len(), ics, f, before, nets, initial) {
+                    moved = true;
+                    if last {
+                        movers.push(control.state);
+                    }
+                }
+            }
+            if !moved {
+                return Ok(());
+            }
+        }
+        let nets = movers.iter().map(|s| self.slot_name(*s)).collect();
+        Err(RunFault::LogicRace { t_s, nets })
+    }
+
+    /// One pass over all blocks; true when a state moved.
+    fn pass(
+        &self,
+        f: &mut Frozen,
+        t_s: f64,
+        nets: &mut [f64],
+        happenings: &mut Happenings,
+    ) -> Result<bool, RunFault> {
+        let mut moved = false;
+        for step in &self.settle {
+            match step {
+                Settle::Decide(e) => {
+                    let (block, element) = self.elements[*e as usize];
+                    let choice = element
+                        .choose(*e as usize, self, f, nets)
+                        .map_err(|fault| fatal(self, block, fault, t_s))?;
+                    moved |= choice.moved;
+                    if choice.overloaded {
+                        let value = element.watched_net().map_or(f64::NAN, |s| nets[s as usize]);
+                        happenings.overloads.push(LatchedOverload { block, t_s, value });
+                    }
+                }
+                Settle::Op(op) => {
+                    if let Op::Track { o, control, store, .. } = *op {
+                        let tracking = nets[control as usize] != 0.0;
+                        let was = &mut f.tracking[store as usize];
+                        if *was && !tracking {
+                            f.tracked[store as usize] = nets[o as usize];
+                        }
+                        *was = tracking;
+                    }
+                    self.evaluate(op, f, t_s, nets);
+                }
+            }
+        }
+        Ok(moved)
+    }
+
+    /// Name of the net in a slot, or of the block that a hidden net belongs to.
+    pub(crate) fn slot_name(&self, slot: u32) -> String {
+        let net = self.slot_of_net.iter().position(|s| *s == slot);
+        match net {
+            Some(net) => self.net_names[net].clone(),
+            None => self.block_name(self.block_of_slot[slot as usize]),
+        }
+    }
+}

@@ -1,0 +1,319 @@
+//! Collecting faults, so that one run shows all of them, and showing them.
+
+use super::diagnostic::{PatchFault, Source};
+use crate::net::Span;
+use interface::control::PatchBundle;
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
+use serde::Serialize;
+use std::collections::HashSet;
+use std::fmt;
+use std::sync::Arc;
+
+/// More faults than anyone reads at once; the rest are counted.
+pub const MOST_FAULTS: usize = 200;
+
+/// The files of a patch, for messages. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Sources {
+    files: Arc<[Source]>,
+}
+
+impl Sources {
+    /// The files of a bundle, in its order. A bundle without files gets one
+    /// empty file, so that span 0 always has a text.
+    #[must_use]
+    pub fn new(bundle: &PatchBundle) -> Self {
+        let mut files: Vec<Source> = bundle
+            .files
+            .iter()
+            .map(|(name, text)| Arc::new(NamedSource::new(name, text.clone())))
+            .collect();
+        if files.is_empty() {
+            files.push(Arc::new(NamedSource::new(&bundle.root, String::new())));
+        }
+        Sources {
+            files: files.into(),
+        }
+    }
+
+    /// Name of a file.
+    #[must_use]
+    pub fn name(&self, file: u32) -> &str {
+        self.source(file).name()
+    }
+
+    fn source(&self, file: u32) -> &Source {
+        // `new` makes at least one file, and every span is made from a bundle index.
+        self.files.get(file as usize).unwrap_or(&self.files[0])
+    }
+
+    /// Text of a span.
+    #[must_use]
+    pub fn text(&self, span: Span) -> &str {
+        let text = self.source(span.file).inner();
+        text.get(span.start as usize..span.end as usize)
+            .unwrap_or("")
+    }
+
+    /// Source and byte range, cut to the text, as diagnostics want them.
+    #[must_use]
+    pub fn place(&self, span: Span) -> (Source, SourceSpan) {
+        let source = self.source(span.file).clone();
+        let length = source.inner().len();
+        let start = (span.start as usize).min(length);
+        let end = (span.end as usize).clamp(start, length);
+        (source, (start..end).into())
+    }
+
+    /// Line and column (in characters) of the start of a span, both from 1.
+    #[must_use]
+    pub fn line_column(&self, span: Span) -> (usize, usize) {
+        line_column(self.source(span.file).inner(), span.start as usize)
+    }
+}
+
+fn line_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = &text.as_bytes()[..offset.min(text.len())];
+    let line_start = before
+        .iter()
+        .rposition(|b| *b == b'\n')
+        .map_or(0, |at| at + 1);
+    let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+    let column = 1 + String::from_utf8_lossy(&before[line_start..])
+        .chars()
+        .count();
+    (line, column)
+}
+
+/// Faults while they are being collected.
+#[derive(Debug)]
+pub(crate) struct Faults {
+    pub(crate) sources: Sources,
+    root: String,
+    list: Vec<PatchFault>,
+    seen: HashSet<(&'static str, String, usize, String)>,
+    omitted: usize,
+}
+
+impl Faults {
+    pub(crate) fn new(sources: Sources, root: &str) -> Self {
+        Faults {
+            sources,
+            root: root.to_owned(),
+            list: Vec::new(),
+            seen: HashSet::new(),
+            omitted: 0,
+        }
+    }
+
+    /// Adds a fault at a place. A sub-patch that is used many times shows each of its faults once.
+    pub(crate) fn push(&mut self, span: Span, make: impl FnOnce(Source, SourceSpan) -> PatchFault) {
+        if self.is_full() {
+            self.omitted += 1;
+            return;
+        }
+        let (src, at) = self.sources.place(span);
+        let name = src.name().to_owned();
+        let fault = make(src, at);
+        let key = (fault.code_name(), name, at.offset(), fault.to_string());
+        if self.seen.insert(key) {
+            self.list.push(fault);
+        }
+    }
+
+    /// Whether further faults are only counted; the search for near names then stops too.
+    pub(crate) fn is_full(&self) -> bool {
+        self.list.len() >= MOST_FAULTS
+    }
+
+    /// How many there are so far, those beyond the limit included.
+    pub(crate) fn count(&self) -> usize {
+        self.list.len() + self.omitted
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Everything found. Only where something was.
+    pub(crate) fn into_faults(self) -> PatchFaults {
+        let root = self.root.clone();
+        match self.into_result() {
+            Err(faults) => faults,
+            Ok(()) => PatchFaults {
+                root,
+                faults: Vec::new(),
+                omitted: 0,
+            },
+        }
+    }
+
+    /// Nothing found, or everything found, in order of file and place.
+    pub(crate) fn into_result(mut self) -> Result<(), PatchFaults> {
+        if self.list.is_empty() {
+            return Ok(());
+        }
+        let files: Vec<String> = self
+            .sources
+            .files
+            .iter()
+            .map(|s| s.name().to_owned())
+            .collect();
+        let file_index = |fault: &PatchFault| {
+            let name = fault.place().0.name();
+            files.iter().position(|f| f == name).unwrap_or(files.len())
+        };
+        self.list
+            .sort_by_cached_key(|fault| (file_index(fault), fault.place().1.offset()));
+        Err(PatchFaults {
+            root: self.root,
+            faults: self.list,
+            omitted: self.omitted,
+        })
+    }
+}
+
+/// One fault as a flat record, for programs that read it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FaultRecord {
+    /// Kind of fault.
+    pub code: &'static str,
+    /// File, as named in the bundle.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What is wrong.
+    pub message: String,
+    /// What to do about it.
+    pub help: String,
+}
+
+/// All faults of a patch (at least one).
+#[derive(Clone, Debug)]
+pub struct PatchFaults {
+    root: String,
+    faults: Vec<PatchFault>,
+    omitted: usize,
+}
+
+impl PatchFaults {
+    /// A single fault, where nothing else can be looked at.
+    pub(crate) fn single(root: &str, fault: PatchFault) -> Self {
+        PatchFaults {
+            root: root.to_owned(),
+            faults: vec![fault],
+            omitted: 0,
+        }
+    }
+
+    /// The faults, in order of file and place.
+    #[must_use]
+    pub fn faults(&self) -> &[PatchFault] {
+        &self.faults
+    }
+
+    /// The faults as flat records.
+    #[must_use]
+    pub fn records(&self) -> Vec<FaultRecord> {
+        self.faults
+            .iter()
+            .map(|fault| {
+                let (source, at) = fault.place();
+                let (line, column) = line_column(source.inner(), at.offset());
+                FaultRecord {
+                    code: fault.code_name(),
+                    file: source.name().to_owned(),
+                    line,
+                    column,
+                    message: fault.to_string(),
+                    help: fault.remedy().to_owned(),
+                }
+            })
+            .collect()
+    }
+
+    /// All faults with source excerpts, without colour.
+    #[must_use]
+    pub fn render(&self) -> String {
+        self.render_with(GraphicalTheme::unicode_nocolor())
+    }
+
+    /// All faults with source excerpts, in terminal colours.
+    #[must_use]
+    pub fn render_coloured(&self) -> String {
+        self.render_with(GraphicalTheme::unicode())
+    }
+
+    fn render_with(&self, theme: GraphicalTheme) -> String {
+        let handler = GraphicalReportHandler::new_themed(theme).with_width(100);
+        let mut out = String::new();
+        for fault in &self.faults {
+            if handler.render_report(&mut out, fault).is_err() {
+                out.push_str(&format!("{fault}\n  help: {}\n", fault.remedy()));
+            }
+            out.push('\n');
+        }
+        out.push_str(&format!("{self}\n"));
+        out
+    }
+}
+
+impl fmt::Display for PatchFaults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let total = self.faults.len() + self.omitted;
+        let noun = if total == 1 { "fault" } else { "faults" };
+        write!(f, "{total} {noun} in patch `{}`", self.root)?;
+        if self.omitted > 0 {
+            write!(f, " (the first {} are shown)", self.faults.len())?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for PatchFaults {}
+
+impl Diagnostic for PatchFaults {
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        Some(Box::new(
+            self.faults.iter().map(|fault| fault as &dyn Diagnostic),
+        ))
+    }
+}
+
+/// The nearest of some names, where it is near enough to be what was meant.
+pub(crate) fn nearest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let length = name.chars().count();
+    let reach = (length / 3).clamp(1, 4);
+    candidates
+        .into_iter()
+        .filter(|c| c.len().abs_diff(name.len()) <= 4 && c.len() < 200)
+        .map(|c| (strsim::damerau_levenshtein(name, c), c))
+        .filter(|(distance, _)| *distance <= reach)
+        .min()
+        .map(|(_, c)| c)
+}
+
+/// A remedy: the nearest name if there is one, else a list of those that exist.
+pub(crate) fn suggestion<'a>(
+    name: &str,
+    what: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> String {
+    const LISTED: usize = 40;
+    let all: Vec<&str> = candidates.into_iter().collect();
+    match nearest(name, all.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if all.is_empty() => format!("there are no {what} here"),
+        None => {
+            let mut listed: Vec<&str> = all.iter().copied().take(LISTED).collect();
+            listed.sort_unstable();
+            let more = if all.len() > LISTED { ", …" } else { "" };
+            format!("{what}: {}{more}", listed.join(", "))
+        }
+    }
+}

@@ -1,0 +1,470 @@
+//! Second stage: from texts to the typed net, names resolved and numbers put in.
+//!
+//! A block with a fault stays in the draft as broken, with whatever of it could
+//! be understood, so that the later stages can look at the rest of the patch
+//! without repeating the fault. A draft with faults never becomes a checked net.
+
+use super::coefficient::{FactorValue, parse};
+use super::diagnostic::PatchFault;
+use super::faults::{Faults, suggestion};
+use super::fields::Fields;
+use super::kinds::{self, Arity};
+use super::scope::{self, Instances, Scope, Stub, bad_coefficient, evaluate, part_of};
+use super::text::{BlockText, PatchText};
+use super::value::{Data, Entry, Value};
+use crate::net::{Block, BlockId, Expected, Input, Integration, Kind, Net, NetId, Netlist, Span};
+use std::collections::HashMap;
+
+/// A net that has not been checked.
+#[derive(Debug)]
+pub(crate) struct Draft {
+    pub(crate) netlist: Netlist,
+    /// Blocks with a fault of their own; their kind is a stand-in.
+    pub(crate) broken: Vec<bool>,
+    /// Comments on blocks.
+    pub(crate) notes: Vec<(BlockId, String)>,
+}
+
+/// Resolves all names of a patch.
+pub(crate) fn resolve(
+    names: &HashMap<&str, u32>,
+    texts: &[PatchText],
+    root: u32,
+    overrides: &[(String, f64)],
+    faults: &mut Faults,
+) -> Option<Draft> {
+    let instances = scope::expand(names, texts, root, overrides, faults);
+    if instances.is_too_large {
+        return None;
+    }
+    let mut resolver = Resolver::new(instances, texts, faults);
+    resolver.bind_ports();
+    let mut blocks = Vec::with_capacity(resolver.instances.stubs.len());
+    let mut broken = Vec::with_capacity(blocks.capacity());
+    let mut notes = Vec::new();
+    for index in 0..resolver.instances.stubs.len() {
+        let made = resolver.block(index);
+        let id = BlockId(u32::try_from(index).unwrap_or(u32::MAX));
+        notes.extend(made.note.map(|note| (id, note)));
+        blocks.push(made.block);
+        broken.push(made.is_broken);
+    }
+    broken.resize(blocks.len() + resolver.hidden.len(), false);
+    let integration = resolver.integration(&texts[root as usize].integration);
+    let expected = resolver.expected(&texts[root as usize].expect);
+    let params = texts[root as usize]
+        .params
+        .iter()
+        .filter_map(|p| {
+            let value = *resolver.instances.scopes[0].params.get(&p.key)?;
+            Some((p.key.clone(), value?))
+        })
+        .collect();
+    blocks.append(&mut resolver.hidden);
+    let title = texts[root as usize].title.clone().unwrap_or_else(|| {
+        let name = resolver.faults.sources.name(root);
+        name.trim_end_matches(".toml").to_owned()
+    });
+    Some(Draft {
+        netlist: Netlist {
+            title,
+            blocks,
+            nets: resolver.nets,
+            integration,
+            expected,
+            params,
+        },
+        broken,
+        notes,
+    })
+}
+
+struct Made {
+    block: Block,
+    is_broken: bool,
+    note: Option<String>,
+}
+
+/// A net with the coefficient under which a name stands for it.
+type Weighted = (NetId, f64);
+
+pub(crate) struct Resolver<'a> {
+    texts: &'a [PatchText],
+    pub(crate) faults: &'a mut Faults,
+    instances: Instances,
+    nets: Vec<Net>,
+    by_name: HashMap<String, NetId>,
+    /// First net of each stub.
+    first_net: Vec<NetId>,
+    /// Resolved bindings of each scope's ports.
+    bound: Vec<HashMap<String, Option<Weighted>>>,
+    /// Blocks that a field makes, such as the inverter of a symmetric limiter.
+    hidden: Vec<Block>,
+}
+
+impl<'a> Resolver<'a> {
+    fn new(instances: Instances, texts: &'a [PatchText], faults: &'a mut Faults) -> Self {
+        let mut resolver = Resolver {
+            texts,
+            faults,
+            nets: Vec::with_capacity(instances.stubs.len()),
+            by_name: HashMap::with_capacity(instances.stubs.len()),
+            first_net: Vec::with_capacity(instances.stubs.len()),
+            bound: Vec::with_capacity(instances.scopes.len()),
+            hidden: Vec::new(),
+            instances,
+        };
+        for index in 0..resolver.instances.stubs.len() {
+            let (text, name) = resolver.stub(index);
+            let driver = BlockId(u32::try_from(index).unwrap_or(u32::MAX));
+            resolver.first_net.push(NetId(
+                u32::try_from(resolver.nets.len()).unwrap_or(u32::MAX),
+            ));
+            if text.kind.as_ref().is_some_and(|(k, _)| k == "resolver") {
+                resolver.add_net(format!("{name}.x"), driver);
+                resolver.add_net(format!("{name}.y"), driver);
+            } else {
+                resolver.add_net(name, driver);
+            }
+        }
+        resolver
+    }
+
+    fn add_net(&mut self, name: String, driver: BlockId) -> NetId {
+        let id = NetId(u32::try_from(self.nets.len()).unwrap_or(u32::MAX));
+        self.by_name.insert(name.clone(), id);
+        self.nets.push(Net { name, driver });
+        id
+    }
+
+    /// Text and full name of a stub.
+    fn stub(&self, index: usize) -> (&'a BlockText, String) {
+        let Stub { scope, index } = self.instances.stubs[index];
+        let scope = &self.instances.scopes[scope];
+        let text = &self.texts[scope.file as usize].blocks[index];
+        (text, format!("{}{}", scope.prefix, text.name))
+    }
+
+    /// Binds ports from the root downwards, so that a binding may name a port of its own scope.
+    fn bind_ports(&mut self) {
+        for index in 0..self.instances.scopes.len() {
+            let parent = self.instances.scopes[index].parent;
+            let mut ports: Vec<(String, Option<Entry>)> =
+                self.instances.scopes[index].ports.drain().collect();
+            ports.sort_by(|a, b| a.0.cmp(&b.0));
+            let bound = ports
+                .into_iter()
+                .map(|(port, entry)| {
+                    let input = entry.and_then(|e| self.input(parent, &e.key, &e.value));
+                    (port, input.map(|i| (i.net, i.coefficient)))
+                })
+                .collect();
+            self.bound.push(bound);
+        }
+    }
+
+    pub(crate) fn params(&self, scope: usize) -> &HashMap<String, Option<f64>> {
+        &self.instances.scopes[scope].params
+    }
+
+    /// A number in a scope.
+    pub(crate) fn number(&mut self, scope: usize, field: &str, value: &Value) -> Option<f64> {
+        scope::number(
+            field,
+            value,
+            &self.instances.scopes[scope].params,
+            self.faults,
+        )
+    }
+
+    /// A weighted input in a scope.
+    pub(crate) fn input(&mut self, scope: usize, field: &str, value: &Value) -> Option<Input> {
+        let Data::Text(text) = &value.data else {
+            scope::wrong_type(
+                field,
+                "the name of a net in quotes, such as \"-2 * x\"",
+                value,
+                self.faults,
+            );
+            return None;
+        };
+        let place = part_of(self.faults, value.span, text);
+        let product = match parse(text) {
+            Ok(product) => product,
+            Err(error) => {
+                bad_coefficient(text, place(error.range), error.why, error.help, self.faults);
+                return None;
+            }
+        };
+        let last = product.factors.last()?;
+        let FactorValue::Name(name) = last.value else {
+            bad_coefficient(
+                text,
+                place(last.range.clone()),
+                "the last factor must be a net",
+                "write `0.5 * x`; a number alone needs a `constant` block, { kind = \"constant\", value = 0.5 }",
+                self.faults,
+            );
+            return None;
+        };
+        let params = &self.instances.scopes[scope].params;
+        let coefficient = evaluate(&product, true, params, &place, field, self.faults);
+        let (net, weight) = self.net(scope, name, place(last.range.clone()))?;
+        let coefficient = coefficient? * weight;
+        if !coefficient.is_finite() {
+            scope::not_finite(field, value.span, self.faults);
+            return None;
+        }
+        Some(Input {
+            net,
+            coefficient,
+            span: value.span,
+        })
+    }
+
+    fn net(&mut self, scope: usize, name: &str, at: Span) -> Option<Weighted> {
+        if let Some(binding) = self.bound.get(scope).and_then(|ports| ports.get(name)) {
+            return *binding;
+        }
+        let Scope { prefix, params, .. } = &self.instances.scopes[scope];
+        if let Some(&net) = self.by_name.get(&format!("{prefix}{name}")) {
+            return Some((net, 1.0));
+        }
+        let is_dead = name.match_indices('.').any(|(dot, _)| {
+            let instance = format!("{prefix}{}", &name[..=dot]);
+            self.instances.dead.contains(&instance)
+        });
+        if is_dead || self.faults.is_full() {
+            return None;
+        }
+        if params.contains_key(name) {
+            self.faults.push(at, |src, at| PatchFault::UnknownNet {
+                src,
+                at,
+                net: name.to_owned(),
+                help: format!("`{name}` is a parameter; to use it as a signal, make it a block: {{ kind = \"constant\", value = \"{name}\" }}"),
+            });
+            return None;
+        }
+        let ports = self.bound.get(scope).into_iter().flat_map(|p| p.keys());
+        let mut near: Vec<&str> = ports.map(String::as_str).collect();
+        near.extend(
+            self.nets
+                .iter()
+                .filter_map(|net| net.name.strip_prefix(prefix.as_str())),
+        );
+        let help = suggestion(name, "nets", near);
+        self.faults.push(at, |src, at| PatchFault::UnknownNet {
+            src,
+            at,
+            net: name.to_owned(),
+            help,
+        });
+        None
+    }
+
+    /// Makes a block that a field needs, and gives its net.
+    pub(crate) fn hide(&mut self, name: String, span: Span, kind: Kind, input: Input) -> NetId {
+        let index = self.instances.stubs.len() + self.hidden.len();
+        let net = self.add_net(
+            name.clone(),
+            BlockId(u32::try_from(index).unwrap_or(u32::MAX)),
+        );
+        self.hidden.push(Block {
+            name,
+            span,
+            kind,
+            inputs: vec![input],
+            outputs: vec![net],
+            max: None,
+        });
+        net
+    }
+
+    fn block(&mut self, index: usize) -> Made {
+        let (text, name) = self.stub(index);
+        let scope = self.instances.stubs[index].scope;
+        let before = self.faults.count();
+        let (mut kind, mut inputs, mut max, mut note) = (None, Vec::new(), None, None);
+        if let Some((word, word_span)) = &text.kind {
+            let mut fields = Fields::new(self, scope, &name, text.span, &text.fields);
+            match kinds::arity(word) {
+                None => {
+                    let help = suggestion(word, "kinds", kinds::names());
+                    fields
+                        .resolver
+                        .faults
+                        .push(*word_span, |src, at| PatchFault::UnknownKind {
+                            src,
+                            at,
+                            kind: word.clone(),
+                            help,
+                        });
+                }
+                Some(arity) => {
+                    inputs = inputs_of(&mut fields, arity, word);
+                    max = fields.positive_or_none("max");
+                    note = fields.text("note");
+                    kind = kinds::build(word, &mut fields);
+                    fields.finish(&format!("{} `{name}`", article(word)));
+                }
+            }
+        }
+        let is_broken = kind.is_none() || self.faults.count() > before;
+        let first = self.first_net[index];
+        let is_resolver = text.kind.as_ref().is_some_and(|(k, _)| k == "resolver");
+        let mut outputs = vec![first];
+        if is_resolver {
+            outputs.push(NetId(first.0 + 1));
+        }
+        Made {
+            block: Block {
+                name,
+                span: text.span,
+                kind: kind.unwrap_or(Kind::Constant { value: 0.0 }),
+                inputs,
+                outputs,
+                max,
+            },
+            is_broken,
+            note,
+        }
+    }
+
+    fn integration(&mut self, entries: &[Entry]) -> Integration {
+        let mut fields = Fields::new(self, 0, "[integration]", Span::default(), entries);
+        let integration = kinds::integration(&mut fields);
+        fields.finish("[integration]");
+        integration.unwrap_or_default()
+    }
+
+    fn expected(&mut self, entries: &[Entry]) -> Vec<Expected> {
+        let mut out = Vec::new();
+        for entry in entries {
+            let Data::Table(table) = &entry.value.data else {
+                scope::wrong_type(
+                    &entry.key,
+                    "a table such as { output = 1.0, tolerance = 1e-9 }",
+                    &entry.value,
+                    self.faults,
+                );
+                continue;
+            };
+            let net = self.net(0, &entry.key, entry.key_span);
+            let mut fields = Fields::new(self, 0, &entry.key, entry.key_span, table);
+            let output = fields.number_or_none("output");
+            let derivative = fields.number_or_none("derivative");
+            let tolerance = fields.positive("tolerance", Some(1e-9));
+            let wants_derivative = fields.place("derivative");
+            fields.finish(&format!("[expect] of `{}`", entry.key));
+            let Some(((net, _), tolerance)) = net.zip(tolerance) else {
+                continue;
+            };
+            if let Some(at) = wants_derivative {
+                self.check_has_derivative(net, &entry.key, at);
+            }
+            out.push(Expected {
+                net,
+                output,
+                derivative,
+                tolerance,
+            });
+        }
+        out
+    }
+
+    fn check_has_derivative(&mut self, net: NetId, name: &str, at: Span) {
+        let driver = self.nets[net.index()].driver.index();
+        if driver >= self.instances.stubs.len() {
+            return;
+        }
+        let (text, _) = self.stub(driver);
+        let has = text.kind.as_ref().is_none_or(|(kind, _)| {
+            matches!(
+                kind.as_str(),
+                "integrator" | "lag" | "rate-limiter" | "backlash"
+            )
+        });
+        if !has {
+            self.faults.push(at, |src, at| PatchFault::NoDerivative {
+                src,
+                at,
+                net: name.to_owned(),
+                help: "integrators, lags, rate limiters and backlashes have derivatives; check the output of other blocks".into(),
+            });
+        }
+    }
+}
+
+fn article(kind: &str) -> String {
+    let vowel = kind.starts_with(['a', 'e', 'i', 'o']);
+    format!("{} {kind}", if vowel { "an" } else { "a" })
+}
+
+fn inputs_of(fields: &mut Fields<'_, '_>, arity: Arity, kind: &str) -> Vec<Input> {
+    let owner = format!("{} `{}`", article(kind), fields.owner);
+    let at = fields.at;
+    let Some(entry) = fields.entry("in") else {
+        if arity.least > 0 {
+            unconnected(owner, at, arity, fields);
+        }
+        return Vec::new();
+    };
+    let items: Vec<&Value> = match &entry.value.data {
+        Data::List(items) => items.iter().collect(),
+        // A single input may stand without brackets.
+        Data::Text(_) => vec![&entry.value],
+        _ => {
+            scope::wrong_type(
+                "in",
+                "a list of nets such as [\"x\", \"-2 * y\"]",
+                &entry.value,
+                fields.resolver.faults,
+            );
+            return Vec::new();
+        }
+    };
+    let found = items.len();
+    if found == 0 && arity.least > 0 {
+        unconnected(owner, entry.value.span, arity, fields);
+    } else if found < arity.least || arity.most.is_some_and(|most| found > most) {
+        let help = if arity.most == Some(0) {
+            "it is a source: remove `in`".to_owned()
+        } else if arity.most.is_some_and(|most| found > most) {
+            "sum the inputs in a `summer` first, or leave some out".to_owned()
+        } else {
+            "name each input in the list `in`".to_owned()
+        };
+        fields
+            .resolver
+            .faults
+            .push(entry.value.span, |src, at| PatchFault::Arity {
+                src,
+                at,
+                owner,
+                wanted: arity.words(),
+                found,
+                help,
+            });
+    }
+    let scope = fields.scope;
+    items
+        .into_iter()
+        .filter_map(|item| fields.resolver.input(scope, "in", item))
+        .collect()
+}
+
+fn unconnected(owner: String, at: Span, arity: Arity, fields: &mut Fields<'_, '_>) {
+    fields
+        .resolver
+        .faults
+        .push(at, |src, at| PatchFault::UnconnectedInput {
+            src,
+            at,
+            owner,
+            help: format!(
+                "it takes {}: in = [\"NET\"]; for a fixed input wire a `constant` block",
+                arity.words()
+            ),
+        });
+}

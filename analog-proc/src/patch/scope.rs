@@ -1,0 +1,519 @@
+//! Instances of patch files: which names mean what, where.
+//!
+//! The root file is one scope, and each use of a sub-patch is another, with its
+//! own prefix, parameters and port bindings. A sub-patch sees only what it is
+//! given: its parameters and its ports.
+
+use super::bundle::join;
+use super::coefficient::{FactorValue, Product, parse};
+use super::diagnostic::PatchFault;
+use super::faults::{Faults, suggestion};
+use super::text::{PatchText, UseText};
+use super::value::{Data, Entry, Value};
+use crate::net::Span;
+use miette::LabeledSpan;
+use std::collections::{HashMap, HashSet};
+
+/// Most blocks, and most instances, of one patch. The largest hybrid machines had a thousand or two.
+pub const MOST_BLOCKS: usize = 100_000;
+/// Deepest nesting of sub-patches.
+pub const DEEPEST: usize = 32;
+
+/// One instance of a file.
+#[derive(Debug)]
+pub(crate) struct Scope {
+    /// Index of the file.
+    pub(crate) file: u32,
+    /// Prefix of its nets: empty, or `gyro.`.
+    pub(crate) prefix: String,
+    /// Parameters; `None` where the value is faulty.
+    pub(crate) params: HashMap<String, Option<f64>>,
+    /// Scope that the bindings are written in.
+    pub(crate) parent: usize,
+    /// Binding of each port; `None` where it is faulty or missing.
+    pub(crate) ports: HashMap<String, Option<Entry>>,
+}
+
+/// A block of a file in a scope.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stub {
+    pub(crate) scope: usize,
+    pub(crate) index: usize,
+}
+
+/// All instances of a patch.
+#[derive(Debug, Default)]
+pub(crate) struct Instances {
+    pub(crate) scopes: Vec<Scope>,
+    pub(crate) stubs: Vec<Stub>,
+    /// Prefixes of instances that could not be made; their nets are not reported again.
+    pub(crate) dead: HashSet<String>,
+    pub(crate) is_too_large: bool,
+}
+
+/// Makes all instances, the root's first.
+pub(crate) fn expand(
+    names: &HashMap<&str, u32>,
+    texts: &[PatchText],
+    root: u32,
+    overrides: &[(String, f64)],
+    faults: &mut Faults,
+) -> Instances {
+    let mut expander = Expander {
+        names,
+        texts,
+        out: Instances::default(),
+        stack: Vec::new(),
+        faults,
+    };
+    let text = &texts[root as usize];
+    let given = expander.root_overrides(root, text, overrides);
+    expander.unbound_root_ports(root, text);
+    expander.instantiate(root, String::new(), 0, given, HashMap::new());
+    expander.out
+}
+
+/// Value of a product of numbers and parameters. `range` is the place of the string's content.
+pub(crate) fn evaluate(
+    product: &Product<'_>,
+    skip_last: bool,
+    params: &HashMap<String, Option<f64>>,
+    place: &dyn Fn(std::ops::Range<usize>) -> Span,
+    field: &str,
+    faults: &mut Faults,
+) -> Option<f64> {
+    let factors = &product.factors[..product.factors.len() - usize::from(skip_last)];
+    let mut value = Some(if product.negative { -1.0 } else { 1.0 });
+    for factor in factors {
+        let at = place(factor.range.clone());
+        let next = match factor.value {
+            FactorValue::Number(number) if number.is_finite() => Some(number),
+            FactorValue::Number(_) => {
+                not_finite(field, at, faults);
+                None
+            }
+            FactorValue::Name(name) => match params.get(name) {
+                Some(value) => *value,
+                None if matches!(name.to_ascii_lowercase().as_str(), "nan" | "inf") => {
+                    not_finite(field, at, faults);
+                    None
+                }
+                None => {
+                    unknown_param(name, at, params, faults);
+                    None
+                }
+            },
+        };
+        value = value.zip(next).map(|(a, b)| a * b);
+    }
+    if value.is_some_and(|v| !v.is_finite()) {
+        not_finite(field, place(0..usize::MAX), faults);
+        value = None;
+    }
+    value
+}
+
+/// Place of a part of a quoted string, or the whole string if it has escapes.
+pub(crate) fn part_of(
+    faults: &Faults,
+    whole: Span,
+    content: &str,
+) -> impl Fn(std::ops::Range<usize>) -> Span + use<> {
+    let is_plain = faults
+        .sources
+        .text(whole)
+        .get(1..)
+        .is_some_and(|text| text.starts_with(content));
+    let length = content.len();
+    move |range| {
+        if !is_plain || range.end > length {
+            return whole;
+        }
+        let offset = |i: usize| whole.start + 1 + u32::try_from(i).unwrap_or(0);
+        Span {
+            file: whole.file,
+            start: offset(range.start),
+            end: offset(range.end),
+        }
+    }
+}
+
+pub(crate) fn not_finite(field: &str, at: Span, faults: &mut Faults) {
+    let field = field.to_owned();
+    faults.push(at, |src, at| PatchFault::NotFinite {
+        src,
+        at,
+        field,
+        help: "use a finite number; infinity and NaN have no place on the patch board".into(),
+    });
+}
+
+/// A number, or a product of numbers and parameters in quotes.
+pub(crate) fn number(
+    field: &str,
+    value: &Value,
+    params: &HashMap<String, Option<f64>>,
+    faults: &mut Faults,
+) -> Option<f64> {
+    match &value.data {
+        Data::Number { value: number, .. } => {
+            if number.is_finite() {
+                return Some(*number);
+            }
+            not_finite(field, value.span, faults);
+            None
+        }
+        Data::Text(text) => {
+            let place = part_of(faults, value.span, text);
+            match parse(text) {
+                Ok(product) => evaluate(&product, false, params, &place, field, faults),
+                Err(error) => {
+                    bad_coefficient(text, place(error.range), error.why, error.help, faults);
+                    None
+                }
+            }
+        }
+        _ => {
+            wrong_type(field, "a number or a parameter", value, faults);
+            None
+        }
+    }
+}
+
+pub(crate) fn bad_coefficient(
+    text: &str,
+    at: Span,
+    why: &'static str,
+    help: &str,
+    faults: &mut Faults,
+) {
+    faults.push(at, |src, at| PatchFault::BadCoefficient {
+        src,
+        at,
+        text: text.to_owned(),
+        why,
+        help: help.to_owned(),
+    });
+}
+
+pub(crate) fn wrong_type(field: &str, wanted: &'static str, value: &Value, faults: &mut Faults) {
+    faults.push(value.span, |src, at| PatchFault::WrongType {
+        src,
+        at,
+        help: format!("write {wanted}"),
+        field: field.to_owned(),
+        wanted,
+        found: value.type_name(),
+    });
+}
+
+fn unknown_param(name: &str, at: Span, params: &HashMap<String, Option<f64>>, faults: &mut Faults) {
+    let help = suggestion(name, "parameters so far", sorted(params));
+    faults.push(at, |src, at| PatchFault::UnknownParam {
+        src,
+        at,
+        param: name.to_owned(),
+        help: format!(
+            "{help}; a parameter may use those above it, and nets cannot be coefficients (a `multiplier` takes two nets)"
+        ),
+    });
+}
+
+fn sorted(params: &HashMap<String, Option<f64>>) -> Vec<&str> {
+    let mut names: Vec<&str> = params.keys().map(String::as_str).collect();
+    names.sort_unstable();
+    names
+}
+
+struct Expander<'a> {
+    names: &'a HashMap<&'a str, u32>,
+    texts: &'a [PatchText],
+    out: Instances,
+    stack: Vec<u32>,
+    faults: &'a mut Faults,
+}
+
+type Given = HashMap<String, Option<f64>>;
+
+impl Expander<'_> {
+    fn root_overrides(&mut self, root: u32, text: &PatchText, given: &[(String, f64)]) -> Given {
+        let at = Span {
+            file: root,
+            ..Span::default()
+        };
+        let mut out = Given::new();
+        for (name, value) in given {
+            if !text.params.iter().any(|p| p.key == *name) {
+                let help = suggestion(
+                    name,
+                    "parameters",
+                    text.params.iter().map(|p| p.key.as_str()),
+                );
+                self.faults.push(at, |src, at| PatchFault::UnknownParam {
+                    src,
+                    at,
+                    param: name.clone(),
+                    help,
+                });
+            } else if !value.is_finite() {
+                not_finite(name, at, self.faults);
+            }
+            out.insert(name.clone(), Some(*value).filter(|v| v.is_finite()));
+        }
+        out
+    }
+
+    fn unbound_root_ports(&mut self, root: u32, text: &PatchText) {
+        for (port, at) in &text.ports {
+            let file = self.faults.sources.name(root).to_owned();
+            self.faults.push(*at, |src, at| PatchFault::UnboundPort {
+                src,
+                at,
+                port: port.clone(),
+                help: format!(
+                    "this file is a sub-patch: use it from another patch, with u = {{ patch = \"{file}\", in = {{ {port} = \"NET\" }} }} under [use]"
+                ),
+                file,
+            });
+        }
+    }
+
+    fn instantiate(
+        &mut self,
+        file: u32,
+        prefix: String,
+        parent: usize,
+        given: Given,
+        ports: HashMap<String, Option<Entry>>,
+    ) {
+        let text = &self.texts[file as usize];
+        let mut params = HashMap::new();
+        for param in &text.params {
+            // Evaluated even where it is overridden, so that a faulty line does not hide.
+            let own = number(&param.key, &param.value, &params, self.faults);
+            let value = given.get(&param.key).copied().unwrap_or(own);
+            params.insert(param.key.clone(), value);
+        }
+        self.check_names(text);
+        let scope = self.out.scopes.len();
+        self.out.scopes.push(Scope {
+            file,
+            prefix,
+            params,
+            parent,
+            ports,
+        });
+        self.stack.push(file);
+        // Uses and blocks in the order in which they stand.
+        let mut lines: Vec<(u32, Result<usize, usize>)> = Vec::new();
+        lines.extend(
+            text.uses
+                .iter()
+                .enumerate()
+                .map(|(i, u)| (u.span.start, Err(i))),
+        );
+        lines.extend(
+            text.blocks
+                .iter()
+                .enumerate()
+                .map(|(i, b)| (b.span.start, Ok(i))),
+        );
+        lines.sort_unstable_by_key(|line| line.0);
+        for (_, line) in lines {
+            let at = match line {
+                Ok(index) => {
+                    self.out.stubs.push(Stub { scope, index });
+                    text.blocks[index].span
+                }
+                Err(index) => {
+                    self.use_one(scope, &text.uses[index]);
+                    text.uses[index].span
+                }
+            };
+            self.check_size(at);
+            if self.out.is_too_large {
+                break;
+            }
+        }
+        self.stack.pop();
+    }
+
+    fn check_size(&mut self, at: Span) {
+        let size = self.out.stubs.len().max(self.out.scopes.len());
+        if size > MOST_BLOCKS && !self.out.is_too_large {
+            self.out.is_too_large = true;
+            self.too_large(at, "blocks", MOST_BLOCKS);
+        }
+    }
+
+    fn too_large(&mut self, at: Span, what: &'static str, limit: usize) {
+        self.faults.push(at, |src, at| PatchFault::TooLarge {
+            src,
+            at,
+            what,
+            limit,
+            help: "sub-patches that use sub-patches multiply; check how often each is used".into(),
+        });
+    }
+
+    fn use_one(&mut self, scope: usize, instance: &UseText) {
+        let prefix = format!("{}{}.", self.out.scopes[scope].prefix, instance.name);
+        let Some(file) = self.find(instance) else {
+            self.out.dead.insert(prefix);
+            return;
+        };
+        if self.stack.len() >= DEEPEST {
+            self.too_large(instance.span, "levels of sub-patches", DEEPEST);
+            self.out.dead.insert(prefix);
+            return;
+        }
+        let given = self.given_params(scope, instance, file);
+        let ports = self.bindings(instance, file);
+        self.instantiate(file, prefix, scope, given, ports);
+    }
+
+    fn find(&mut self, instance: &UseText) -> Option<u32> {
+        let (path, at) = instance.path.as_ref()?;
+        let user = self.faults.sources.name(at.file).to_owned();
+        let key = join(&user, path);
+        let Some(&file) = key.as_deref().and_then(|key| self.names.get(key)) else {
+            let why = if key.is_some() {
+                "it is not there, or is not a text file"
+            } else {
+                "it must be a path relative to this file"
+            };
+            let help = suggestion(path, "files", self.names.keys().copied());
+            self.faults.push(*at, |src, at| PatchFault::MissingFile {
+                src,
+                at,
+                file: path.clone(),
+                why: why.into(),
+                help: format!("the path is taken from the folder of `{user}`; {help}"),
+            });
+            return None;
+        };
+        if let Some(from) = self.stack.iter().position(|f| *f == file) {
+            let mut chain: Vec<String> = self.stack[from..]
+                .iter()
+                .chain([&file])
+                .map(|f| format!("`{}`", self.faults.sources.name(*f)))
+                .collect();
+            if chain.len() == 2 {
+                chain.truncate(1);
+                chain.push("itself".into());
+            }
+            self.faults.push(*at, |src, at| PatchFault::RecursiveUse {
+                src,
+                at,
+                chain: chain.join(" → "),
+                help: "a sub-patch is wired in, not called: it cannot contain itself".into(),
+            });
+            return None;
+        }
+        Some(file).filter(|f| self.texts[*f as usize].is_toml)
+    }
+
+    fn given_params(&mut self, scope: usize, instance: &UseText, file: u32) -> Given {
+        let known = &self.texts[file as usize].params;
+        let mut given = Given::new();
+        for entry in &instance.with {
+            let params = &self.out.scopes[scope].params;
+            let value = number(&entry.key, &entry.value, params, self.faults);
+            if !known.iter().any(|p| p.key == entry.key) {
+                let name = self.faults.sources.name(file).to_owned();
+                let help = suggestion(
+                    &entry.key,
+                    "parameters",
+                    known.iter().map(|p| p.key.as_str()),
+                );
+                self.faults
+                    .push(entry.key_span, |src, at| PatchFault::UnknownParam {
+                        src,
+                        at,
+                        param: entry.key.clone(),
+                        help: format!("in `{name}`: {help}"),
+                    });
+            }
+            given.insert(entry.key.clone(), value);
+        }
+        given
+    }
+
+    fn bindings(&mut self, instance: &UseText, file: u32) -> HashMap<String, Option<Entry>> {
+        let text = &self.texts[file as usize];
+        let name = self.faults.sources.name(file).to_owned();
+        let mut bound: HashMap<String, Option<Entry>> = HashMap::new();
+        for entry in &instance.inputs {
+            if text.ports.iter().any(|(port, _)| *port == entry.key) {
+                bound.insert(entry.key.clone(), Some(entry.clone()));
+                continue;
+            }
+            let help = suggestion(
+                &entry.key,
+                "ports",
+                text.ports.iter().map(|(port, _)| port.as_str()),
+            );
+            self.faults
+                .push(entry.key_span, |src, at| PatchFault::UnknownPort {
+                    src,
+                    at,
+                    port: entry.key.clone(),
+                    file: name.clone(),
+                    help,
+                });
+        }
+        for (port, _) in &text.ports {
+            if !bound.contains_key(port) {
+                bound.insert(port.clone(), None);
+                self.faults
+                    .push(instance.span, |src, at| PatchFault::UnboundPort {
+                        src,
+                        at,
+                        port: port.clone(),
+                        file: name.clone(),
+                        help: format!(
+                            "bind it to a net of this patch: in = {{ {port} = \"NET\" }}"
+                        ),
+                    });
+            }
+        }
+        bound
+    }
+
+    /// Parameters, ports, instances and blocks of a file share one space of names.
+    fn check_names(&mut self, text: &PatchText) {
+        let params: HashMap<&str, Span> = text
+            .params
+            .iter()
+            .map(|p| (p.key.as_str(), p.key_span))
+            .collect();
+        let mut nets: HashMap<&str, Span> = HashMap::new();
+        let ports = text.ports.iter().map(|(name, at)| (name.as_str(), *at));
+        let uses = text.uses.iter().map(|u| (u.name.as_str(), u.span));
+        let blocks = text.blocks.iter().map(|b| (b.name.as_str(), b.span));
+        for (name, at) in ports.chain(uses).chain(blocks) {
+            let label = |first: Span| {
+                let (start, end) = (first.start as usize, first.end as usize);
+                vec![LabeledSpan::new(None, start, end.saturating_sub(start))]
+            };
+            if let Some(first) = params.get(name) {
+                self.faults.push(at, |src, at| PatchFault::ParamNetClash {
+                    src,
+                    at,
+                    name: name.to_owned(),
+                    first: label(*first),
+                    help: "in `k * x` nobody could tell them apart: rename one".into(),
+                });
+            }
+            if let Some(first) = nets.insert(name, at) {
+                self.faults.push(at, |src, at| PatchFault::DuplicateName {
+                    src,
+                    at,
+                    name: name.to_owned(),
+                    first: label(first),
+                    help: "ports, sub-patches and blocks of a file share one space of names: rename one".into(),
+                });
+            }
+        }
+    }
+}

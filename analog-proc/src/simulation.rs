@@ -1,0 +1,381 @@
+//! A machine in operation: state, time, stops and read-back.
+//!
+//! Problem time is kept in seconds within a run, but every stop lands exactly on
+//! [`Tick::secs`]. What the digital side sets takes effect together at
+//! [`Simulation::apply`]. Recording reads the dense output and never alters a
+//! step. The engine that steps is in [`crate::operate`].
+
+use interface::Tick;
+
+use crate::block::dac::DacPiece;
+use crate::block::logic::Edge;
+use crate::event::Happenings;
+use crate::fault::RunFault;
+use crate::integrate::{Scheme, Step};
+use crate::machine::{Frozen, Machine};
+use crate::mode::{Mismatch, Mode};
+use crate::net::{BlockId, Expected, Integration, Method, NetId, OverloadPolicy};
+use crate::operate::{Engine, Recorder};
+use crate::order::Ordered;
+use crate::overload::LatchedOverload;
+
+/// How far a call came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Advance {
+    /// The stop asked for, or the tick nearest to where the run stopped.
+    pub reached: Tick,
+    /// The overload that stopped it, by the patch's policy.
+    pub stopped_by: Option<LatchedOverload>,
+}
+
+/// Counts since the last reset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Evaluations of the derivatives, those for locating events included.
+    pub evaluations: u64,
+    /// Instants at which something switched.
+    pub events: u64,
+}
+
+/// A machine with its state.
+#[derive(Debug)]
+pub struct Simulation {
+    engine: Engine,
+    ics: Vec<f64>,
+    mode: Mode,
+    dirty: bool,
+    ended: Option<LatchedOverload>,
+    fault: Option<RunFault>,
+}
+
+fn check(integration: &Integration) -> Result<(), RunFault> {
+    let refuse = |setting, value| Err(RunFault::Setting { setting, value });
+    let Integration { rtol, atol, step_s, max_step_s, .. } = *integration;
+    if !(rtol >= 0.0 && rtol.is_finite()) {
+        return refuse("rtol", rtol);
+    }
+    if !(atol >= 0.0 && atol.is_finite() && (atol > 0.0 || rtol > 0.0)) {
+        return refuse("atol", atol);
+    }
+    let fixed = matches!(integration.method, Method::RungeKutta4 | Method::Euler);
+    if fixed && !(step_s >= 1e-9 && step_s < 9e9) {
+        return refuse("step", step_s);
+    }
+    if !(max_step_s > 0.0) {
+        return refuse("max-step", max_step_s);
+    }
+    Ok(())
+}
+
+impl Simulation {
+    /// Lowers the net and puts it in the initial condition.
+    ///
+    /// # Errors
+    /// Settings out of range, and whatever [`Simulation::reset`] finds.
+    pub fn new(ordered: &Ordered) -> Result<Simulation, RunFault> {
+        let integration = ordered.netlist.integration;
+        check(&integration)?;
+        let machine = Machine::new(ordered)?;
+        let frozen: Frozen = machine.frozen();
+        let (states, slots) = (machine.states, machine.slots);
+        let watched = machine.watched.len();
+        let atol: Vec<f64> = machine.scales.iter().map(|s| s * integration.atol).collect();
+        let ics = machine.ics.clone();
+        let engine = Engine {
+            frozen,
+            nets: machine.initial_nets.clone(),
+            probe: machine.initial_nets.clone(),
+            before: vec![0.0; slots],
+            step: Step::new(states),
+            scheme: Scheme::new(integration.method, states),
+            atol,
+            integration,
+            t_s: 0.0,
+            next_step_s: 0.0,
+            former_error: 1e-4,
+            margins: vec![0.0; watched],
+            margins_low: vec![0.0; watched],
+            margins_high: vec![0.0; watched],
+            happenings: Happenings::default(),
+            overloads: Vec::new(),
+            chatter_from_s: 0.0,
+            chatter: 0,
+            statistics: Statistics::default(),
+            machine,
+        };
+        let mut simulation = Simulation {
+            engine,
+            ics,
+            mode: Mode::InitialCondition,
+            dirty: false,
+            ended: None,
+            fault: None,
+        };
+        simulation.reset()?;
+        Ok(simulation)
+    }
+
+    /// Back to the initial condition at t = 0, regions and logic settled. What the
+    /// digital side has set stays set, as constants.
+    ///
+    /// # Errors
+    /// A net that is not finite, a zero divisor, a negative root, a logic race.
+    pub fn reset(&mut self) -> Result<(), RunFault> {
+        self.mode = Mode::InitialCondition;
+        self.dirty = false;
+        self.ended = None;
+        self.fault = None;
+        let result = self.engine.reset(&self.ics);
+        self.keep(result)
+    }
+
+    /// Sets the initial condition of a block with a state, from the next reset on.
+    /// A block without one ignores it.
+    pub fn set_ic(&mut self, block: BlockId, value: f64) {
+        let state = self.engine.machine.state_of_block.get(block.index());
+        if let Some(Some(state)) = state {
+            self.ics[*state as usize] = value;
+        }
+    }
+
+    /// Problem time, to the nearest tick.
+    #[must_use]
+    pub fn now(&self) -> Tick {
+        Tick::from_secs(self.engine.t_s).unwrap_or(Tick(i64::MAX))
+    }
+
+    /// Problem time, s.
+    #[must_use]
+    pub fn now_s(&self) -> f64 {
+        self.engine.t_s
+    }
+
+    /// The mode.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Operates until exactly `t`. In HOLD, or after an overload has ended the run,
+    /// problem time stands still and the answer says so.
+    ///
+    /// # Errors
+    /// Any [`RunFault`]; it stands until the next reset.
+    pub fn advance_to(&mut self, t: Tick) -> Result<Advance, RunFault> {
+        self.advance(t, None)
+    }
+
+    /// As [`Simulation::advance_to`], handing the nets to `sink` at each multiple of
+    /// `every` after now and up to `t`, from the dense output. At an event the value
+    /// after it is handed out.
+    ///
+    /// # Errors
+    /// As [`Simulation::advance_to`].
+    pub fn advance_recording(
+        &mut self,
+        t: Tick,
+        every: Tick,
+        nets: &[NetId],
+        mut sink: impl FnMut(f64, &[f64]),
+    ) -> Result<Advance, RunFault> {
+        let slots: Vec<u32> =
+            nets.iter().map(|n| self.engine.machine.slot_of_net[n.index()]).collect();
+        let mut recorder = Recorder::new(self.engine.t_s, every, slots, &mut sink);
+        self.advance(t, Some(&mut recorder))
+    }
+
+    fn advance(
+        &mut self,
+        t: Tick,
+        recorder: Option<&mut Recorder<'_>>,
+    ) -> Result<Advance, RunFault> {
+        if let Some(fault) = &self.fault {
+            return Err(fault.clone());
+        }
+        if self.dirty {
+            self.apply()?;
+        }
+        if self.mode == Mode::Hold || self.ended.is_some() {
+            return Ok(Advance { reached: self.now(), stopped_by: self.ended });
+        }
+        self.mode = Mode::Operate;
+        let result = self.engine.operate(t.secs(), recorder);
+        let stopped_by = self.keep(result)?;
+        if stopped_by.is_some() {
+            match self.engine.integration.overload {
+                OverloadPolicy::Stop => self.ended = stopped_by,
+                OverloadPolicy::Hold => self.mode = Mode::Hold,
+                OverloadPolicy::Continue => {}
+            }
+        }
+        let reached = if stopped_by.is_some() { self.now() } else { t };
+        Ok(Advance { reached, stopped_by })
+    }
+
+    fn keep<T>(&mut self, result: Result<T, RunFault>) -> Result<T, RunFault> {
+        if let Err(fault) = &result {
+            self.fault = Some(fault.clone());
+        }
+        result
+    }
+
+    /// Present value of a net.
+    #[must_use]
+    pub fn net(&self, net: NetId) -> f64 {
+        let slot = self.engine.machine.slot_of_net.get(net.index());
+        slot.map_or(f64::NAN, |s| self.engine.nets[*s as usize])
+    }
+
+    /// Present derivative of a block with a state, per second.
+    #[must_use]
+    pub fn derivative(&self, block: BlockId) -> Option<f64> {
+        let state = (*self.engine.machine.state_of_block.get(block.index())?)?;
+        Some(self.engine.step.f0[state as usize])
+    }
+
+    /// Loads a DAC channel; in force from [`Simulation::apply`] on.
+    pub fn set_dac(&mut self, channel: u32, piece: DacPiece) {
+        let t_s = self.engine.t_s;
+        let piece = DacPiece { from_s: piece.from_s.min(t_s), ..piece };
+        let channels = &self.engine.machine.dac_channels;
+        for (hold, (number, _)) in self.engine.frozen.holds.iter_mut().zip(channels) {
+            let new = hold.transfer(piece);
+            if *number == channel && *hold != new {
+                *hold = new;
+                self.dirty = true;
+            }
+        }
+    }
+
+    /// Sets a coefficient; in force from [`Simulation::apply`] on.
+    pub fn set_dcu(&mut self, channel: u32, c: f64) {
+        let channels = &self.engine.machine.dcu_channels;
+        for (held, (number, _)) in self.engine.frozen.dcus.iter_mut().zip(channels) {
+            if *number == channel && *held != c {
+                *held = c;
+                self.dirty = true;
+            }
+        }
+    }
+
+    /// Sets a control line; in force from [`Simulation::apply`] on.
+    pub fn set_control(&mut self, line: u32, on: bool) {
+        for (number, slot) in &self.engine.machine.control_lines {
+            let net = &mut self.engine.nets[*slot as usize];
+            if *number == line && (*net != 0.0) != on {
+                *net = f64::from(on);
+                self.dirty = true;
+            }
+        }
+    }
+
+    /// Puts in force what has been set since the last call, all at once. Without a
+    /// change the integration goes on undisturbed.
+    ///
+    /// # Errors
+    /// As [`Simulation::reset`].
+    pub fn apply(&mut self) -> Result<(), RunFault> {
+        if !self.dirty {
+            return Ok(());
+        }
+        self.dirty = false;
+        let initial = self.mode == Mode::InitialCondition;
+        let result = self.engine.apply(&self.ics, initial);
+        self.keep(result)
+    }
+
+    /// HOLD or OPERATE.
+    pub fn hold(&mut self, on: bool) {
+        self.mode = match (on, self.engine.t_s > 0.0) {
+            (true, _) => Mode::Hold,
+            (false, true) => Mode::Operate,
+            (false, false) => Mode::InitialCondition,
+        };
+    }
+
+    /// Moves the interrupt edges since the last call to the end of `out`, in order of time.
+    pub fn take_edges(&mut self, out: &mut Vec<Edge>) {
+        out.append(&mut self.engine.happenings.edges);
+    }
+
+    /// Present level of a sense line; false where none is patched.
+    #[must_use]
+    pub fn sense(&self, line: u32) -> bool {
+        let senses = &self.engine.machine.senses;
+        senses.iter().any(|(number, slot)| *number == line && self.engine.nets[*slot as usize] != 0.0)
+    }
+
+    /// Overloads latched since the last reset, in order of time.
+    #[must_use]
+    pub fn overloads(&self) -> &[LatchedOverload] {
+        &self.engine.overloads
+    }
+
+    /// Resets, and compares outputs and derivatives with `expected`; what differs is returned.
+    ///
+    /// # Errors
+    /// As [`Simulation::reset`].
+    pub fn static_check(&mut self, expected: &[Expected]) -> Result<Vec<Mismatch>, RunFault> {
+        self.reset()?;
+        let mut mismatches = Vec::new();
+        for item in expected {
+            let driver = self.engine.machine.driver_of(item.net);
+            let found = [
+                (false, item.output, self.net(item.net)),
+                (true, item.derivative, driver.and_then(|b| self.derivative(b)).unwrap_or(f64::NAN)),
+            ];
+            for (derivative, expected, found) in found {
+                let Some(expected) = expected else { continue };
+                // Not `>`: an undefined value is a mismatch.
+                if !((found - expected).abs() <= item.tolerance) {
+                    let (net, tolerance) = (item.net, item.tolerance);
+                    mismatches.push(Mismatch { net, derivative, expected, found, tolerance });
+                }
+            }
+        }
+        Ok(mismatches)
+    }
+
+    /// Repetitive operation: `times` runs of length `period` from the initial condition,
+    /// `each` being called at the end of every run with its number.
+    ///
+    /// # Errors
+    /// As [`Simulation::advance_to`].
+    pub fn repeat(
+        &mut self,
+        period: Tick,
+        times: u32,
+        mut each: impl FnMut(u32, &mut Simulation),
+    ) -> Result<(), RunFault> {
+        for number in 0..times {
+            self.reset()?;
+            self.advance_to(period)?;
+            each(number, self);
+        }
+        Ok(())
+    }
+
+    /// Counts since the last reset.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        let mut statistics = self.engine.statistics;
+        statistics.evaluations = self.engine.step.evaluations;
+        statistics
+    }
+
+    /// The program.
+    #[must_use]
+    pub fn machine(&self) -> &Machine {
+        &self.engine.machine
+    }
+
+    /// One derivative pass at the present state; returns the last derivative, so that
+    /// a benchmark can use it.
+    pub fn derivative_pass(&mut self) -> f64 {
+        self.engine.derivative_pass()
+    }
+}

@@ -1,0 +1,236 @@
+//! Tables with units in their headings, and definition lists.
+
+use std::fmt::Write as _;
+
+use maud::{Markup, html};
+
+use super::format::{significant, typeset};
+
+/// What a cell holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// A number, formatted by its column.
+    Number(f64),
+    /// Words.
+    Text(String),
+    /// Words that lead to an anchor of the page.
+    Link(String, String),
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Cell {
+        Cell::Number(value)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Cell {
+        Cell::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell::Text(text)
+    }
+}
+
+/// A column's heading and the form of its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heading {
+    /// The quantity.
+    pub label: String,
+    /// Its unit; empty when dimensionless or words.
+    pub unit: String,
+    /// Significant digits of its numbers.
+    pub digits: usize,
+}
+
+impl Heading {
+    /// A heading with four significant digits.
+    #[must_use]
+    pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Heading {
+        Heading {
+            label: label.into(),
+            unit: unit.into(),
+            digits: 4,
+        }
+    }
+
+    /// The same with another number of digits.
+    #[must_use]
+    pub fn digits(mut self, digits: usize) -> Heading {
+        self.digits = digits;
+        self
+    }
+}
+
+/// A table. Rows shorter than the headings are filled with blanks; longer ones are cut.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// The columns.
+    pub headings: Vec<Heading>,
+    /// The rows.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// A table without rows.
+    #[must_use]
+    pub fn new(headings: Vec<Heading>) -> Table {
+        Table {
+            headings,
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds a row.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
+        self.rows.push(cells.into_iter().collect());
+    }
+
+    /// The table for a page.
+    #[must_use]
+    pub fn markup(&self) -> Markup {
+        let numeric: Vec<bool> = (0..self.headings.len())
+            .map(|c| self.column(c).any(|cell| matches!(cell, Cell::Number(_))))
+            .collect();
+        html! {
+            div.wide { table {
+                thead { tr {
+                    @for (heading, numeric) in self.headings.iter().zip(&numeric) {
+                        th scope="col" class=[numeric.then_some("n")] {
+                            (heading.label)
+                            @if !heading.unit.is_empty() { small { (heading.unit) } }
+                        }
+                    }
+                } }
+                tbody { @for row in &self.rows { tr {
+                    @for (c, heading) in self.headings.iter().enumerate() {
+                        @match row.get(c) {
+                            Some(Cell::Number(value)) => { td.n { (typeset(*value, heading.digits)) } }
+                            Some(Cell::Text(text)) => { td { (text) } }
+                            Some(Cell::Link(text, href)) => { td { a href=(href) { (text) } } }
+                            None => { td {} }
+                        }
+                    }
+                } } }
+            } }
+        }
+    }
+
+    /// The table for a terminal: columns aligned, units under the headings.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let content = |row: &[Cell], c: usize| match row.get(c) {
+            Some(Cell::Number(value)) => significant(*value, self.headings[c].digits),
+            Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
+            None => String::new(),
+        };
+        let mut lines: Vec<Vec<String>> =
+            vec![self.headings.iter().map(|h| h.label.clone()).collect()];
+        if self.headings.iter().any(|h| !h.unit.is_empty()) {
+            let unit = |h: &Heading| match h.unit.as_str() {
+                "" => String::new(),
+                unit => format!("[{unit}]"),
+            };
+            lines.push(self.headings.iter().map(unit).collect());
+        }
+        let head = lines.len();
+        for row in &self.rows {
+            lines.push((0..self.headings.len()).map(|c| content(row, c)).collect());
+        }
+        let widths: Vec<usize> = (0..self.headings.len())
+            .map(|c| {
+                lines
+                    .iter()
+                    .map(|line| line[c].chars().count())
+                    .max()
+                    .unwrap_or(0)
+            })
+            .collect();
+        let mut out = String::new();
+        for (n, line) in lines.iter().enumerate() {
+            let mut text = String::new();
+            for (c, field) in line.iter().enumerate() {
+                let pad = " ".repeat(widths[c].saturating_sub(field.chars().count()));
+                let right = self.column(c).any(|cell| matches!(cell, Cell::Number(_)));
+                // Writing to a String cannot fail.
+                let _ = if right {
+                    write!(text, "{pad}{field}  ")
+                } else {
+                    write!(text, "{field}{pad}  ")
+                };
+            }
+            out.push_str(text.trim_end());
+            out.push('\n');
+            if n + 1 == head {
+                let rule = widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1);
+                out.push_str(&"-".repeat(rule));
+                out.push('\n');
+            }
+        }
+        out
+    }
+
+    /// The table for machines: an array of objects keyed by heading; a number that is not
+    /// finite becomes null.
+    #[must_use]
+    pub fn json(&self) -> serde_json::Value {
+        self.rows
+            .iter()
+            .map(|row| {
+                let pairs = self.headings.iter().zip(row).map(|(heading, cell)| {
+                    let value = match cell {
+                        Cell::Number(value) => serde_json::Value::from(*value),
+                        Cell::Text(text) | Cell::Link(text, _) => {
+                            serde_json::Value::from(text.as_str())
+                        }
+                    };
+                    (heading.label.clone(), value)
+                });
+                serde_json::Value::Object(pairs.collect())
+            })
+            .collect()
+    }
+
+    fn column(&self, c: usize) -> impl Iterator<Item = &Cell> {
+        self.rows.iter().filter_map(move |row| row.get(c))
+    }
+}
+
+/// Terms and what they are: a run's provenance, a profile's numbers.
+#[must_use]
+pub fn definition_list(items: &[(String, String)]) -> Markup {
+    html! { dl { @for (term, meaning) in items { dt { (term) } dd { (meaning) } } } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Table {
+        let mut table = Table::new(vec![
+            Heading::new("Variable", ""),
+            Heading::new("Maximum", "kPa"),
+        ]);
+        table.row(["Q".into(), 94.871_23.into()]);
+        table.row(["nothing".into(), f64::NAN.into()]);
+        table
+    }
+
+    #[test]
+    fn text_is_aligned() {
+        assert_eq!(
+            sample().text(),
+            "Variable  Maximum\n            [kPa]\n-----------------\nQ           94.87\nnothing       NaN\n"
+        );
+    }
+
+    #[test]
+    fn json_keeps_full_precision() {
+        let json = sample().json();
+        assert_eq!(json[0]["Maximum"], 94.871_23);
+        assert!(json[1]["Maximum"].is_null());
+    }
+}
