@@ -89,7 +89,7 @@ impl AlphaLaw {
                 updates.set_dac(1, self.force.value(angle));
                 let fast = self.setting.loop_.frame_s;
                 let slow = fast * f64::from(slow_frames);
-                if frame % u64::from(slow_frames.max(1)) == 0 {
+                if frame.is_multiple_of(u64::from(slow_frames.max(1))) {
                     let error = self.correction_error(rate, angle, slow, delivery);
                     let over = match correction {
                         Correction::Spread => slow,
@@ -202,7 +202,12 @@ pub struct AlphaRow {
 impl AlphaSetting {
     /// The plane of the laboratory: Z = 0.6, D = 0.4, M = ω².
     #[must_use]
-    pub fn standard(omega_rad_s: f64, scheme: Scheme, frame_s: f64, latency_s: f64) -> AlphaSetting {
+    pub fn standard(
+        omega_rad_s: f64,
+        scheme: Scheme,
+        frame_s: f64,
+        latency_s: f64,
+    ) -> AlphaSetting {
         AlphaSetting {
             loop_: AlphaLoop {
                 rotation: Rotation {
@@ -310,7 +315,11 @@ impl AlphaSetting {
             Scheme::Redundant { gain, .. } => Some(gain),
         };
         Ok(AlphaRow {
-            scheme: if gain.is_some() { "redundant" } else { "conventional" },
+            scheme: if gain.is_some() {
+                "redundant"
+            } else {
+                "conventional"
+            },
             slow_s: self.slow_s(),
             fast_s: self.loop_.frame_s,
             gain,
@@ -324,9 +333,9 @@ impl AlphaSetting {
                 && peak(&differences[differences.len() - third..]) < peak(&differences[..third]),
             spectral_radius: self.loop_.spectral_radius()?,
             error_measured_rad: tail.iter().sum::<f64>() / tail.len().max(1) as f64,
-            error_theory_rad: gain
-                .filter(|k| *k > 0.0)
-                .map_or(0.0, |k| -super::theory::alpha::drift_error(self.drift_rad_s, self.slow_s(), k)),
+            error_theory_rad: gain.filter(|k| *k > 0.0).map_or(0.0, |k| {
+                -super::theory::alpha::drift_error(self.drift_rad_s, self.slow_s(), k)
+            }),
         })
     }
 }
@@ -370,7 +379,11 @@ mod tests {
             AlphaSetting::standard(6.0, Scheme::Conventional, 0.1, 0.1),
             AlphaSetting::standard(4.0, Scheme::Conventional, 0.05, 0.0),
         ];
-        for delivery in [Delivery::Prompt, Delivery::LateMatched, Delivery::LateUnmatched] {
+        for delivery in [
+            Delivery::Prompt,
+            Delivery::LateMatched,
+            Delivery::LateUnmatched,
+        ] {
             for correction in [Correction::Spread, Correction::Pulse] {
                 for gain in [0.1, 0.2, 0.5] {
                     let scheme = redundant(gain, delivery, correction);
@@ -384,10 +397,17 @@ mod tests {
                 setting.loop_.rotation.direction = direction;
                 let row = run(&setting);
                 // The claim is 1e-4.
-                assert!((row.zeta_measured - row.zeta_exact).abs() < 1e-6, "{setting:?} {row:?}");
+                assert!(
+                    (row.zeta_measured - row.zeta_exact).abs() < 1e-6,
+                    "{setting:?} {row:?}"
+                );
                 let ratio = row.omega_measured_rad_s / row.omega_exact_rad_s;
                 assert!((ratio - 1.0).abs() < 1e-6, "{row:?}");
-                assert_eq!(row.stable_measured, row.spectral_radius < 1.0, "{setting:?} {row:?}");
+                assert_eq!(
+                    row.stable_measured,
+                    row.spectral_radius < 1.0,
+                    "{setting:?} {row:?}"
+                );
             }
         }
     }

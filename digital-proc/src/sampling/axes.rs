@@ -362,7 +362,11 @@ mod tests {
         let mut law = setting.law();
         for n in 0..plan.stop.0 / plan.frame.0 {
             let (theta, q) = setting.attitude(plan.frame.secs() * n as f64);
-            law.step(n.unsigned_abs(), &[theta, q], &mut Updates::new(0, Tick::ZERO));
+            law.step(
+                n.unsigned_abs(),
+                &[theta, q],
+                &mut Updates::new(0, Tick::ZERO),
+            );
         }
         setting.rows(&law).unwrap()
     }
@@ -385,7 +389,10 @@ mod tests {
         let [body, path, h] = [&rows[0], &rows[1], &rows[2]];
         assert!(body.turning_acceleration_max_m_s2 > 200.0);
         assert!(path.turning_acceleration_max_m_s2 < 3.0);
-        assert!(body.gamma_error_rms_deg / path.gamma_error_rms_deg > 10.0, "{rows:?}");
+        assert!(
+            body.gamma_error_rms_deg / path.gamma_error_rms_deg > 10.0,
+            "{rows:?}"
+        );
         // Flight-path and H axes hold the same quantities: they differ at second order only.
         let ratio = h.gamma_error_rms_deg / path.gamma_error_rms_deg;
         assert!((ratio - 1.0).abs() < 0.1, "{rows:?}");
@@ -414,6 +421,9 @@ mod tests {
             offset_of_full_scale: 5e-4,
             ..AxesSetting::standard(1e-3)
         });
-        assert!(rows[0].gamma_error_rms_deg > 4.0 * rows[1].gamma_error_rms_deg, "{rows:?}");
+        assert!(
+            rows[0].gamma_error_rms_deg > 4.0 * rows[1].gamma_error_rms_deg,
+            "{rows:?}"
+        );
     }
 }

@@ -102,7 +102,12 @@ impl QuantisationSetting {
     /// # Errors
     /// For numbers out of range.
     pub fn plan(&self) -> Result<RunPlan, LabError> {
-        require("the bits", f64::from(self.bits), (2..=24).contains(&self.bits), "2 to 24")?;
+        require(
+            "the bits",
+            f64::from(self.bits),
+            (2..=24).contains(&self.bits),
+            "2 to 24",
+        )?;
         require(
             "the frames",
             f64::from(self.frames),
@@ -111,7 +116,10 @@ impl QuantisationSetting {
         )?;
         Ok(RunPlan {
             patch: "lab/quantisation.toml",
-            params: vec![("full_scale", self.full_scale), ("tau", 1.0 / self.corner_rad_s)],
+            params: vec![
+                ("full_scale", self.full_scale),
+                ("tau", 1.0 / self.corner_rad_s),
+            ],
             frame: tick("the frame", self.frame_s)?,
             latency: Tick::ZERO,
             skew: Tick::ZERO,
@@ -125,7 +133,12 @@ impl QuantisationSetting {
     /// # Errors
     /// When the full scale is not positive.
     pub fn law(&self) -> Result<QuantisationLaw, LabError> {
-        require("the full scale", self.full_scale, self.full_scale > 0.0, "> 0")?;
+        require(
+            "the full scale",
+            self.full_scale,
+            self.full_scale > 0.0,
+            "> 0",
+        )?;
         Ok(QuantisationLaw {
             setting: *self,
             random: Xoshiro256PlusPlus::seed_from_u64(self.seed),
@@ -152,7 +165,11 @@ impl QuantisationSetting {
         let settle = (20.0 / (self.corner_rad_s * self.frame_s)).ceil() as usize;
         let settled = law.lag.get(settle..).unwrap_or_default();
         [
-            ("rounding error", variance(&law.direct), noise::quantisation_variance(step)),
+            (
+                "rounding error",
+                variance(&law.direct),
+                noise::quantisation_variance(step),
+            ),
             (
                 "integral over the span",
                 variance(&growth),
@@ -421,7 +438,11 @@ mod tests {
         for n in 0..512_u32 {
             let t = f64::from(n) * setting.frame_s;
             let adc = [(w * t).sin(), (w * (t + setting.skew_s)).cos()];
-            law.step(u64::from(n), &adc, &mut Updates::new(u64::from(n), Tick::ZERO));
+            law.step(
+                u64::from(n),
+                &adc,
+                &mut Updates::new(u64::from(n), Tick::ZERO),
+            );
         }
         let row = setting.row(&law);
         let second_order = (w * setting.skew_s).powi(2);
@@ -449,7 +470,8 @@ mod tests {
                 }
                 if n >= 2 {
                     let dt = setting.frame_s / f64::from(fine);
-                    let t = (f64::from(n) + (f64::from(i) + 0.5) / f64::from(fine)) * setting.frame_s;
+                    let t =
+                        (f64::from(n) + (f64::from(i) + 0.5) / f64::from(fine)) * setting.frame_s;
                     let e = setting.rate_per_s * t - held;
                     sum += e * dt;
                     square += e * e * dt;
@@ -457,8 +479,14 @@ mod tests {
             }
         }
         let row = setting.row(sum, square);
-        assert!((row.mean_measured - row.mean_theory).abs() < 1e-12, "{row:?}");
+        assert!(
+            (row.mean_measured - row.mean_theory).abs() < 1e-12,
+            "{row:?}"
+        );
         // Midpoint sums of e² are low by (rate·T/100)²/12 = 7.5e-9 of 6e-4.
-        assert!((row.rms_measured / row.rms_theory - 1.0).abs() < 1e-4, "{row:?}");
+        assert!(
+            (row.rms_measured / row.rms_theory - 1.0).abs() < 1e-4,
+            "{row:?}"
+        );
     }
 }

@@ -166,8 +166,7 @@ impl CircleSetting {
             theory.continuous_root()?,
         )?);
         let exact = growth_per_cycle(theory.exact_root()?);
-        let first =
-            (std::f64::consts::PI * self.omega_rad_s() * theory.effective_delay_s()).exp();
+        let first = (std::f64::consts::PI * self.omega_rad_s() * theory.effective_delay_s()).exp();
         Ok(CircleRow {
             samples_per_cycle: self.samples_per_cycle,
             latency_frames: self.latency_frames,
@@ -300,7 +299,12 @@ impl RootSetting {
             self.omega0_rad_s > 0.0,
             "> 0 rad/s",
         )?;
-        require("the damping", self.zeta, (0.0..1.0).contains(&self.zeta), "0 to below 1")?;
+        require(
+            "the damping",
+            self.zeta,
+            (0.0..1.0).contains(&self.zeta),
+            "0 to below 1",
+        )?;
         require(
             "the latency",
             self.latency_frames,

@@ -296,7 +296,11 @@ mod tests {
     fn run(setting: &FunctionSetting, fine: u32) -> [Correlated; 4] {
         let table = table().unwrap();
         let mut law = setting.law().unwrap();
-        let mut sums = [Correlated { sine: 0.0, cosine: 0.0, square: 0.0 }; 4];
+        let mut sums = [Correlated {
+            sine: 0.0,
+            cosine: 0.0,
+            square: 0.0,
+        }; 4];
         let w = setting.omega_rad_s();
         let late = (setting.latency_frames * f64::from(fine)).round() as u32;
         let mut active = Updates::new(0, Tick::ZERO);
@@ -349,17 +353,33 @@ mod tests {
             let [exact, digital, hybrid, local] = run(&setting, 200);
             let row = setting.row(Way::AllDigital, digital, exact).unwrap();
             // Claims: 0.2° and 0.01°.
-            assert!((row.lag_measured_deg - row.lag_theory_deg).abs() < 0.2, "{row:?}");
+            assert!(
+                (row.lag_measured_deg - row.lag_theory_deg).abs() < 0.2,
+                "{row:?}"
+            );
             // 2 sin(φ/2) neglects the images: T²ω²/12 of the mean square, and the harmonics' own lag.
             let theory = row.rms_theory_percent.unwrap();
-            assert!((row.rms_measured_percent / theory - 1.0).abs() < 0.2, "{row:?}");
+            assert!(
+                (row.rms_measured_percent / theory - 1.0).abs() < 0.2,
+                "{row:?}"
+            );
             let row = setting.row(Way::Hybrid, hybrid, exact).unwrap();
             assert!(row.lag_measured_deg.abs() < 0.01, "{row:?}");
             // The staircase formula takes M's error as independent of where α is: a few percent.
             let theory = row.rms_theory_percent.unwrap();
-            assert!((row.rms_measured_percent / theory - 1.0).abs() < 0.05, "{row:?}");
+            assert!(
+                (row.rms_measured_percent / theory - 1.0).abs() < 0.05,
+                "{row:?}"
+            );
             let row = setting.row(Way::LocalCell, local, exact).unwrap();
-            assert!(row.lag_measured_deg.abs() < 0.2 * setting.row(Way::AllDigital, digital, exact).unwrap().lag_measured_deg);
+            assert!(
+                row.lag_measured_deg.abs()
+                    < 0.2
+                        * setting
+                            .row(Way::AllDigital, digital, exact)
+                            .unwrap()
+                            .lag_measured_deg
+            );
             assert!(row.rms_measured_percent > 0.0);
         }
     }

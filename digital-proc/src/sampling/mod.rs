@@ -11,9 +11,9 @@ pub mod converter_error;
 pub mod feedback;
 pub mod function_generation;
 pub mod identify;
+pub mod loop_law;
 #[cfg(test)]
 mod plain_machine;
-pub mod loop_law;
 pub mod plan;
 pub mod study_file;
 pub mod table;

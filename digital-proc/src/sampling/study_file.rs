@@ -276,7 +276,11 @@ pub fn parse(file: &str, text: &str) -> Result<LoopStudy, StudyFaults> {
 fn cases(sweep: &RawSweep, faults: &mut Faults<'_>) -> Vec<LoopCase> {
     let mut all = Vec::new();
     if sweep.frame.get_ref().is_empty() {
-        faults.add(&sweep.frame.span(), "the sweep has no frame", "list at least one, as \"20ms\"");
+        faults.add(
+            &sweep.frame.span(),
+            "the sweep has no frame",
+            "list at least one, as \"20ms\"",
+        );
     }
     let latencies: Vec<f64> = sweep.latency.as_ref().map_or(vec![0.0], |list| {
         list.iter()
@@ -298,7 +302,11 @@ fn cases(sweep: &RawSweep, faults: &mut Faults<'_>) -> Vec<LoopCase> {
                     return Some(None);
                 }
                 if !(2..=32).contains(&n) {
-                    faults.add(&b.span(), format!("a converter of {n} bits"), "2 to 32, or 0 for ideal");
+                    faults.add(
+                        &b.span(),
+                        format!("a converter of {n} bits"),
+                        "2 to 32, or 0 for ideal",
+                    );
                     return None;
                 }
                 Some(Some(n))
@@ -340,13 +348,27 @@ fn law_spec(law: &Spanned<RawLaw>, faults: &mut Faults<'_>) -> Option<LawSpec> {
         "table" => &["input", "output", "x", "y"],
         other => {
             let help = format!("{} kinds: {}", nearest(other, KINDS), KINDS.join(", "));
-            faults.add(&raw.kind.span(), format!("unknown law `{other}`"), help.trim().to_owned());
+            faults.add(
+                &raw.kind.span(),
+                format!("unknown law `{other}`"),
+                help.trim().to_owned(),
+            );
             return None;
         }
     };
     let given = [
-        ("inputs", raw.inputs.as_ref().map(|v| v.first().map_or(law.span(), Spanned::span))),
-        ("outputs", raw.outputs.as_ref().map(|v| v.first().map_or(law.span(), Spanned::span))),
+        (
+            "inputs",
+            raw.inputs
+                .as_ref()
+                .map(|v| v.first().map_or(law.span(), Spanned::span)),
+        ),
+        (
+            "outputs",
+            raw.outputs
+                .as_ref()
+                .map(|v| v.first().map_or(law.span(), Spanned::span)),
+        ),
         ("input", raw.input.as_ref().map(Spanned::span)),
         ("output", raw.output.as_ref().map(Spanned::span)),
         ("gain", raw.gain.as_ref().map(Spanned::span)),
@@ -360,11 +382,19 @@ fn law_spec(law: &Spanned<RawLaw>, faults: &mut Faults<'_>) -> Option<LawSpec> {
     for (key, span) in &given {
         match span {
             Some(span) if !allowed.contains(key) => {
-                faults.add(span, format!("`{key}` has no meaning in a `{kind}` law"), "");
+                faults.add(
+                    span,
+                    format!("`{key}` has no meaning in a `{kind}` law"),
+                    "",
+                );
             }
             // A delay's gain is 1 unless stated.
             None if allowed.contains(key) && !(kind == "delay" && *key == "gain") => {
-                faults.add(&raw.kind.span(), format!("a `{kind}` law needs `{key}`"), "");
+                faults.add(
+                    &raw.kind.span(),
+                    format!("a `{kind}` law needs `{key}`"),
+                    "",
+                );
             }
             _ => {}
         }
@@ -373,7 +403,11 @@ fn law_spec(law: &Spanned<RawLaw>, faults: &mut Faults<'_>) -> Option<LawSpec> {
         return None;
     }
     let list = |many: &Option<Vec<Spanned<String>>>, one: &Option<Spanned<String>>| {
-        many.iter().flatten().chain(one).map(named).collect::<Vec<_>>()
+        many.iter()
+            .flatten()
+            .chain(one)
+            .map(named)
+            .collect::<Vec<_>>()
     };
     let inputs = list(&raw.inputs, &raw.input);
     let outputs = list(&raw.outputs, &raw.output);
@@ -479,8 +513,16 @@ impl LoopStudy {
             .laws
             .iter()
             .map(|l| {
-                let inputs = l.inputs.iter().map(|n| find(n, ChannelKind::Adc, "ADC")).collect();
-                let outputs = l.outputs.iter().map(|n| find(n, ChannelKind::Dac, "DAC")).collect();
+                let inputs = l
+                    .inputs
+                    .iter()
+                    .map(|n| find(n, ChannelKind::Adc, "ADC"))
+                    .collect();
+                let outputs = l
+                    .outputs
+                    .iter()
+                    .map(|n| find(n, ChannelKind::Dac, "DAC"))
+                    .collect();
                 (inputs, outputs, l.element.clone())
             })
             .collect();
@@ -565,7 +607,10 @@ denominator = [1.0]
             number: 0,
             full_scale: None,
         };
-        vec![channel(ChannelKind::Adc, "x_adc"), channel(ChannelKind::Dac, "u")]
+        vec![
+            channel(ChannelKind::Adc, "x_adc"),
+            channel(ChannelKind::Dac, "u"),
+        ]
     }
 
     /// A study that writes half-frame prediction as a difference equation finds the roots of theory.
@@ -605,22 +650,48 @@ denominator = [1.0]
             found.unwrap_or_else(|| panic!("{faults}")).line
         };
         assert_eq!(line_of(&GOOD.replace("\"50ms\"", "\"50\""), "duration"), 9);
-        assert_eq!(line_of(&GOOD.replace("[0.0, 1.0]", "[0.0, 1.5]"), "1.5"), 10);
-        assert_eq!(line_of(&GOOD.replace("bits = [0]", "bits = [99]"), "99"), 11);
-        assert_eq!(line_of(&GOOD.replace("difference-equation", "diference-equation"), "unknown law"), 13);
-        assert_eq!(line_of(&GOOD.replace("[1.0]\n", "[0.0]\n"), "denominator"), 17);
-        assert_eq!(line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"), 13);
+        assert_eq!(
+            line_of(&GOOD.replace("[0.0, 1.0]", "[0.0, 1.5]"), "1.5"),
+            10
+        );
+        assert_eq!(
+            line_of(&GOOD.replace("bits = [0]", "bits = [99]"), "99"),
+            11
+        );
+        assert_eq!(
+            line_of(
+                &GOOD.replace("difference-equation", "diference-equation"),
+                "unknown law"
+            ),
+            13
+        );
+        assert_eq!(
+            line_of(&GOOD.replace("[1.0]\n", "[0.0]\n"), "denominator"),
+            17
+        );
+        assert_eq!(
+            line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"),
+            13
+        );
         assert_eq!(line_of(&GOOD.replace("stop =", "stopp ="), "stopp"), 4);
         assert_eq!(line_of("patch = ", "string"), 1);
-        let many = GOOD.replace("\"50ms\"", "\"50\"").replace("[0.0, 1.0]", "[2.0]");
+        let many = GOOD
+            .replace("\"50ms\"", "\"50\"")
+            .replace("[0.0, 1.0]", "[2.0]");
         assert_eq!(parse("servo.toml", &many).unwrap_err().0.len(), 2);
-        let text = parse("servo.toml", &GOOD.replace("\"50ms\"", "\"50\"")).unwrap_err().to_string();
+        let text = parse("servo.toml", &GOOD.replace("\"50ms\"", "\"50\""))
+            .unwrap_err()
+            .to_string();
         assert!(text.starts_with("servo.toml:9:10: "), "{text}");
     }
 
     #[test]
     fn unknown_channels_are_told_with_the_nearest_name() {
-        let study = parse("servo.toml", &GOOD.replace("input = \"x_adc\"", "input = \"x_adk\"")).unwrap();
+        let study = parse(
+            "servo.toml",
+            &GOOD.replace("input = \"x_adc\"", "input = \"x_adk\""),
+        )
+        .unwrap();
         let faults = study.law(&channels()).unwrap_err();
         assert_eq!((faults.0.len(), faults.0[0].line), (1, 14));
         assert!(faults.0[0].help.contains("x_adc"));

@@ -197,7 +197,10 @@ impl AlphaLoop {
         let step = |jump: &mut DMatrix<f64>, angle_for_force: &nalgebra::RowDVector<f64>| {
             jump.set_row(AD, &advanced);
             jump.set_row(F2, &row(F1));
-            jump.set_row(F1, &(row(Q) * r.direction - angle_for_force * r.force_slope));
+            jump.set_row(
+                F1,
+                &(row(Q) * r.direction - angle_for_force * r.force_slope),
+            );
         };
         match self.scheme {
             Scheme::Conventional => {
@@ -364,7 +367,11 @@ mod tests {
             let shift = (r.exact_root().unwrap() - s0).norm();
             let slow = (conventional(omega, 0.05).exact_root().unwrap() - s0).norm();
             // An instant reset, a pulse and a spread correction differ among themselves by up to 0.003.
-            assert!((shift / slow - known).abs() < 0.003, "{omega}: {}", shift / slow);
+            assert!(
+                (shift / slow - known).abs() < 0.003,
+                "{omega}: {}",
+                shift / slow
+            );
         }
     }
 

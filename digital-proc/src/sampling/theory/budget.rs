@@ -186,7 +186,10 @@ mod tests {
         for row in chain.budget(w) {
             // Phases are odd in x = ωT = 1e-3: the next term is of relative order x² = 1e-6.
             let slope = -row.phase_deg.to_radians() / w;
-            assert!((slope - row.delay_s).abs() < 2e-6 * chain.frame_s, "{row:?}");
+            assert!(
+                (slope - row.delay_s).abs() < 2e-6 * chain.frame_s,
+                "{row:?}"
+            );
         }
         let whole = chain.budget(w).pop().unwrap();
         assert!((whole.gain - chain.transfer(w).norm()).abs() < 1e-12);

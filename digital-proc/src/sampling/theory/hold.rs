@@ -156,7 +156,10 @@ mod tests {
                 .sum();
             let projected = sum * (h / 3.0 / frame);
             // Simpson: (ωh)⁴ x²/180 ≈ 1e-13.
-            assert!((projected - hold.transfer(omega, frame)).norm() < 1e-11, "{hold:?}");
+            assert!(
+                (projected - hold.transfer(omega, frame)).norm() < 1e-11,
+                "{hold:?}"
+            );
         }
     }
 }

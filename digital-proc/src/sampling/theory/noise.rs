@@ -51,8 +51,7 @@ pub fn staircase_mean(rate: f64, period_s: f64, latency_s: f64) -> f64 {
 /// Root-mean-square of the same: `|rate| √(T²/3 + Tτ + τ²)`, which is `|rate| T/√3` without latency.
 #[must_use]
 pub fn staircase_rms(rate: f64, period_s: f64, latency_s: f64) -> f64 {
-    rate.abs()
-        * (period_s * period_s / 3.0 + period_s * latency_s + latency_s * latency_s).sqrt()
+    rate.abs() * (period_s * period_s / 3.0 + period_s * latency_s + latency_s * latency_s).sqrt()
 }
 
 #[cfg(test)]
