@@ -6,7 +6,7 @@
 //! set to its nearest coefficient. With an ideal profile every stage passes f64.
 
 use crate::{
-    block::dac::DacPiece,
+    block::{dac::DacPiece, logic},
     net::{Kind, NetId, Netlist},
     simulation::Simulation,
 };
@@ -53,7 +53,7 @@ pub struct Channels {
     sense: Vec<Line>,
     /// Control line and its present value.
     control: Vec<(usize, bool)>,
-    edges: Vec<(u32, bool, f64)>,
+    edges: Vec<logic::Edge>,
 }
 
 impl Channels {
@@ -77,11 +77,16 @@ impl Channels {
         };
         let mut faults = Vec::new();
         for block in &netlist.blocks {
-            let mut fault = |e: &dyn std::fmt::Display| faults.push(format!("`{}`: {e}", block.name));
+            let mut fault =
+                |e: &dyn std::fmt::Display| faults.push(format!("`{}`: {e}", block.name));
             let net = block.outputs[0];
             match block.kind {
                 Kind::Adc { channel } => match profile.adc_converter(block.max) {
-                    Ok(converter) => channels.adc.push(AdcChannel { channel: channel as usize, net, converter }),
+                    Ok(converter) => channels.adc.push(AdcChannel {
+                        channel: channel as usize,
+                        net,
+                        converter,
+                    }),
                     Err(e) => fault(&e),
                 },
                 Kind::Dac { channel, initial } | Kind::Mdac { channel, initial } => {
@@ -96,16 +101,33 @@ impl Channels {
                     }
                 }
                 Kind::Dcu { channel, initial } => match profile.coefficient_unit() {
-                    Ok(unit) => channels.dcu.push(DcuChannel { channel: channel as usize, unit, value: initial }),
+                    Ok(unit) => channels.dcu.push(DcuChannel {
+                        channel: channel as usize,
+                        unit,
+                        value: initial,
+                    }),
                     Err(e) => fault(&e),
                 },
-                Kind::DigitalFunction { first_channel, ref initial, .. } => match profile.coefficient_unit() {
-                    Ok(unit) => channels.dcu.extend((first_channel as usize..).zip(initial).map(
-                        |(channel, &value)| DcuChannel { channel, unit, value },
-                    )),
+                Kind::DigitalFunction {
+                    first_channel,
+                    ref initial,
+                    ..
+                } => match profile.coefficient_unit() {
+                    Ok(unit) => channels
+                        .dcu
+                        .extend((first_channel as usize..).zip(initial).map(
+                            |(channel, &value)| DcuChannel {
+                                channel,
+                                unit,
+                                value,
+                            },
+                        )),
                     Err(e) => fault(&e),
                 },
-                Kind::Sense { line } => channels.sense.push(Line { line: line as usize, net }),
+                Kind::Sense { line } => channels.sense.push(Line {
+                    line: line as usize,
+                    net,
+                }),
                 Kind::Control { line, initial } => channels.control.push((line as usize, initial)),
                 _ => {}
             }
@@ -163,9 +185,15 @@ impl Channels {
         for block in &netlist.blocks {
             let (kind, number, count) = match block.kind {
                 Kind::Adc { channel } => (ChannelKind::Adc, channel, 1),
-                Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => (ChannelKind::Dac, channel, 1),
+                Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => {
+                    (ChannelKind::Dac, channel, 1)
+                }
                 Kind::Dcu { channel, .. } => (ChannelKind::Dcu, channel, 1),
-                Kind::DigitalFunction { first_channel, ref x, .. } => (ChannelKind::Dcu, first_channel, x.len()),
+                Kind::DigitalFunction {
+                    first_channel,
+                    ref x,
+                    ..
+                } => (ChannelKind::Dcu, first_channel, x.len()),
                 Kind::Sense { line } => (ChannelKind::Sense, line, 1),
                 Kind::Control { line, .. } => (ChannelKind::Control, line, 1),
                 Kind::Interrupt { line } => (ChannelKind::Interrupt, line, 1),
@@ -178,7 +206,12 @@ impl Channels {
                 } else {
                     block.name.clone()
                 };
-                described.push(Channel { kind, name, number: number + i as u32, full_scale: block.max });
+                described.push(Channel {
+                    kind,
+                    name,
+                    number: number + i as u32,
+                    full_scale: block.max,
+                });
             }
         }
         described
@@ -196,15 +229,24 @@ impl Channels {
         simulation: &mut Simulation,
     ) -> Result<(), String> {
         if !value.is_finite() {
-            return Err(format!("the preset of `{name}` is {value}, not a finite number"));
+            return Err(format!(
+                "the preset of `{name}` is {value}, not a finite number"
+            ));
         }
-        let settable = |c: &&Channel| matches!(c.kind, ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control);
+        let settable = |c: &&Channel| {
+            matches!(
+                c.kind,
+                ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control
+            )
+        };
         let described = self.describe(netlist);
         let channel = described
             .iter()
             .filter(settable)
             .find(|c| c.name == name)
-            .ok_or_else(|| format!("the patch has no DAC, DCU or control line `{name}` to preset"))?;
+            .ok_or_else(|| {
+                format!("the patch has no DAC, DCU or control line `{name}` to preset")
+            })?;
         let number = channel.number as usize;
         match channel.kind {
             ChannelKind::Dac => {
@@ -262,7 +304,9 @@ impl Channels {
                 continue;
             }
             dac.value = updates.dac[dac.channel];
-            let piece = dac.hold.transfer(at, dac.converter.convert(dac.value).value);
+            let piece = dac
+                .hold
+                .transfer(at, dac.converter.convert(dac.value).value);
             simulation.set_dac(
                 dac.channel as u32,
                 DacPiece {
@@ -291,7 +335,11 @@ impl Channels {
     /// The next instant after `from` at which an interpolating hold has reached its value.
     #[must_use]
     pub fn next_arrival(&self, from: Tick) -> Option<Tick> {
-        self.dac.iter().filter_map(|d| d.hold.piece().end).filter(|end| *end > from).min()
+        self.dac
+            .iter()
+            .filter_map(|d| d.hold.piece().end)
+            .filter(|end| *end > from)
+            .min()
     }
 
     /// Holds the DACs whose interpolation ends at `at`.
@@ -302,7 +350,12 @@ impl Channels {
             let value = dac.hold.piece().at(at);
             simulation.set_dac(
                 dac.channel as u32,
-                DacPiece { value, slope_per_s: 0.0, from_s: now_s, settling_s },
+                DacPiece {
+                    value,
+                    slope_per_s: 0.0,
+                    from_s: now_s,
+                    settling_s,
+                },
             );
         }
     }
@@ -318,10 +371,14 @@ impl Channels {
         simulation.take_edges(&mut self.edges);
         samples.edge_count = self.edges.len().min(EDGES_PER_FRAME) as u32;
         samples.edges_lost = (self.edges.len() - samples.edge_count as usize) as u32;
-        for (slot, &(line, rising, t_s)) in samples.edges.iter_mut().zip(&self.edges) {
+        for (slot, edge) in samples.edges.iter_mut().zip(&self.edges) {
             // Problem time is within 292 years: it always fits a tick.
-            let tick = Tick::from_secs(t_s).unwrap_or_default() + shift;
-            *slot = Edge { tick, line, rising: u32::from(rising) };
+            let tick = Tick::from_secs(edge.t_s).unwrap_or_default() + shift;
+            *slot = Edge {
+                tick,
+                line: edge.line,
+                rising: u32::from(edge.rising),
+            };
         }
         samples.overloads = simulation.overloads().len() as u32;
     }

@@ -7,11 +7,7 @@
 //! of integers, so that no schedule of the two processes can change the result.
 //! In HOLD the frames go on and problem time stands still.
 
-use crate::{
-    channels::Channels,
-    fault::RunFault,
-    simulation::{Advance, Simulation},
-};
+use crate::{channels::Channels, fault::RunFault, mode::Mode, simulation::Simulation};
 use interface::{
     Tick,
     control::RunSpec,
@@ -32,7 +28,6 @@ pub fn run(
     let origin = simulation.now();
     channels.set_all(simulation);
     let mut cycle = Cycle {
-        spec,
         simulation,
         channels,
         port,
@@ -47,11 +42,18 @@ pub fn run(
     let channels_in_scan = cycle.channels.adc_count();
     for frame in 0_u64.. {
         // Overflow would take 292 years of problem time: such a frame lies beyond any stop.
-        let at = spec.frame.checked_mul(frame).map_or(spec.stop, |t| t.min(spec.stop));
+        let at = spec
+            .frame
+            .checked_mul(frame)
+            .map_or(spec.stop, |t| t.min(spec.stop));
         let last = at == spec.stop;
         let mut samples = Samples::new(frame, at, RunState::Operate);
         for index in 0..channels_in_scan.max(1) {
-            let instant = if last { at } else { at + spec.skew * index as i64 };
+            let instant = if last {
+                at
+            } else {
+                at + spec.skew * index as i64
+            };
             cycle.transfer_before(instant)?;
             cycle.advance(instant);
             if index < channels_in_scan {
@@ -86,7 +88,6 @@ enum Over {
 }
 
 struct Cycle<'a> {
-    spec: &'a RunSpec,
     simulation: &'a mut Simulation,
     channels: &'a mut Channels,
     port: &'a mut dyn AnalogPort,
@@ -105,7 +106,11 @@ struct Cycle<'a> {
 impl Cycle<'_> {
     /// Integrates to run time `to`, stopping where an interpolating hold arrives.
     fn advance(&mut self, to: Tick) {
-        while let Some(at) = self.channels.next_arrival(self.clock).filter(|at| *at <= to) {
+        while let Some(at) = self
+            .channels
+            .next_arrival(self.clock)
+            .filter(|at| *at <= to)
+        {
             self.integrate(at);
             self.channels.arrive(at, self.simulation);
             self.settle();
@@ -133,13 +138,13 @@ impl Cycle<'_> {
             return;
         }
         match self.simulation.advance_to(self.origin + to - self.held) {
-            Ok(Advance::Reached) => {}
-            // The overload policy: problem time stands where the overload was located.
-            Ok(Advance::HeldAt(at)) => {
+            Ok(advance) if advance.stopped_by.is_none() => {}
+            Ok(advance) if self.simulation.mode() == Mode::Hold => {
+                // The overload policy: problem time stands where the overload was located.
                 self.holding = true;
-                self.held = self.held + ((self.origin + to - self.held) - at);
+                self.held = self.held + ((self.origin + to - self.held) - advance.reached);
             }
-            Ok(Advance::StoppedAt(_)) => self.over = Some(Over::Ended),
+            Ok(_) => self.over = Some(Over::Ended),
             Err(fault) => self.over = Some(Over::Faulted(fault)),
         }
         self.clock = to;

@@ -11,8 +11,8 @@
 //! constant) and the nets.
 
 use crate::block::curve::Piece;
-use crate::block::delay::DelayLine;
 use crate::block::dac::Hold;
+use crate::block::delay::DelayLine;
 use crate::block::integrator::Control;
 use crate::block::logic::Store;
 use crate::block::piecewise::{Piecewise, UNSET};
@@ -42,41 +42,173 @@ impl Term {
 /// One memoryless operation; `o` is the net it drives, other letters are nets it reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Op {
-    Sum1 { o: Slot, a: Slot, ca: f64 },
-    Sum2 { o: Slot, a: Slot, b: Slot, ca: f64, cb: f64 },
-    Sum3 { o: Slot, a: Slot, b: Slot, d: Slot, ca: f64, cb: f64, cd: f64 },
-    SumN { o: Slot, start: u32, len: u32 },
+    Sum1 {
+        o: Slot,
+        a: Slot,
+        ca: f64,
+    },
+    Sum2 {
+        o: Slot,
+        a: Slot,
+        b: Slot,
+        ca: f64,
+        cb: f64,
+    },
+    Sum3 {
+        o: Slot,
+        a: Slot,
+        b: Slot,
+        d: Slot,
+        ca: f64,
+        cb: f64,
+        cd: f64,
+    },
+    SumN {
+        o: Slot,
+        start: u32,
+        len: u32,
+    },
     /// `c·a·b`.
-    Product { o: Slot, a: Slot, b: Slot, c: f64 },
+    Product {
+        o: Slot,
+        a: Slot,
+        b: Slot,
+        c: f64,
+    },
     /// `c·a/b`.
-    Quotient { o: Slot, a: Slot, b: Slot, c: f64 },
+    Quotient {
+        o: Slot,
+        a: Slot,
+        b: Slot,
+        c: f64,
+    },
     /// `√max(c·a, 0)`: the argument's sign is a guarded surface.
-    Root { o: Slot, a: Slot, c: f64 },
-    Sine { o: Slot, a: Slot, c: f64 },
-    Cosine { o: Slot, a: Slot, c: f64 },
-    Rotate { x: Slot, y: Slot, start: u32 },
-    Arctangent { o: Slot, e: u32, y: Term, x: Term },
+    Root {
+        o: Slot,
+        a: Slot,
+        c: f64,
+    },
+    Sine {
+        o: Slot,
+        a: Slot,
+        c: f64,
+    },
+    Cosine {
+        o: Slot,
+        a: Slot,
+        c: f64,
+    },
+    Rotate {
+        x: Slot,
+        y: Slot,
+        start: u32,
+    },
+    Arctangent {
+        o: Slot,
+        e: u32,
+        y: Term,
+        x: Term,
+    },
     /// The present piece of curve `e`.
-    Curve { o: Slot, e: u32, a: Slot, c: f64 },
+    Curve {
+        o: Slot,
+        e: u32,
+        a: Slot,
+        c: f64,
+    },
     /// The constant of element `e` (comparator, relay).
-    Constant { o: Slot, e: u32 },
-    DeadZone { o: Slot, e: u32, a: Slot, c: f64, w: Slot },
-    Limit { o: Slot, e: u32, a: Slot, c: f64, low: Slot, high: Slot },
+    Constant {
+        o: Slot,
+        e: u32,
+    },
+    DeadZone {
+        o: Slot,
+        e: u32,
+        a: Slot,
+        c: f64,
+        w: Slot,
+    },
+    Limit {
+        o: Slot,
+        e: u32,
+        a: Slot,
+        c: f64,
+        low: Slot,
+        high: Slot,
+    },
     /// The present extreme of the terms from `start`.
-    Extreme { o: Slot, e: u32, start: u32 },
-    Surface { o: Slot, e: u32, table: u32, x: Term, y: Term },
-    Friction { o: Slot, e: u32, a: Slot, c: f64 },
-    Dac { o: Slot, hold: u32 },
-    Mdac { o: Slot, hold: u32, a: Slot, c: f64 },
-    Dcu { o: Slot, dcu: u32, a: Slot, c: f64 },
-    Switch { o: Slot, control: Slot, a: Term, b: Term },
-    Track { o: Slot, control: Slot, a: Slot, c: f64, store: u32 },
-    Delay { o: Slot, line: u32 },
-    Wave { o: Slot, wave: u32 },
-    Time { o: Slot },
-    And { o: Slot, start: u32, len: u32 },
-    Or { o: Slot, start: u32, len: u32 },
-    Not { o: Slot, a: Slot },
+    Extreme {
+        o: Slot,
+        e: u32,
+        start: u32,
+    },
+    Surface {
+        o: Slot,
+        e: u32,
+        table: u32,
+        x: Term,
+        y: Term,
+    },
+    Friction {
+        o: Slot,
+        e: u32,
+        a: Slot,
+        c: f64,
+    },
+    Dac {
+        o: Slot,
+        hold: u32,
+    },
+    Mdac {
+        o: Slot,
+        hold: u32,
+        a: Slot,
+        c: f64,
+    },
+    Dcu {
+        o: Slot,
+        dcu: u32,
+        a: Slot,
+        c: f64,
+    },
+    Switch {
+        o: Slot,
+        control: Slot,
+        a: Term,
+        b: Term,
+    },
+    Track {
+        o: Slot,
+        control: Slot,
+        a: Slot,
+        c: f64,
+        store: u32,
+    },
+    Delay {
+        o: Slot,
+        line: u32,
+    },
+    Wave {
+        o: Slot,
+        wave: u32,
+    },
+    Time {
+        o: Slot,
+    },
+    And {
+        o: Slot,
+        start: u32,
+        len: u32,
+    },
+    Or {
+        o: Slot,
+        start: u32,
+        len: u32,
+    },
+    Not {
+        o: Slot,
+        a: Slot,
+    },
 }
 
 /// One step of settling an instant.
@@ -262,7 +394,15 @@ impl Machine {
         match *op {
             Op::Sum1 { o, a, ca } => net!(o) = ca * net!(a),
             Op::Sum2 { o, a, b, ca, cb } => net!(o) = ca * net!(a) + cb * net!(b),
-            Op::Sum3 { o, a, b, d, ca, cb, cd } => {
+            Op::Sum3 {
+                o,
+                a,
+                b,
+                d,
+                ca,
+                cb,
+                cd,
+            } => {
                 net!(o) = ca * net!(a) + cb * net!(b) + cd * net!(d);
             }
             Op::SumN { o, start, len } => net!(o) = self.sum(start, len, nets),
@@ -291,7 +431,14 @@ impl Machine {
                     _ => c * net!(a) - net!(w),
                 };
             }
-            Op::Limit { o, e, a, c, low, high } => {
+            Op::Limit {
+                o,
+                e,
+                a,
+                c,
+                low,
+                high,
+            } => {
                 net!(o) = match f.region[e as usize] {
                     0 => net!(low),
                     1 => c * net!(a),
@@ -318,10 +465,24 @@ impl Machine {
             }
             Op::Dcu { o, dcu, a, c } => net!(o) = f.dcus[dcu as usize] * c * net!(a),
             Op::Switch { o, control, a, b } => {
-                net!(o) = if net!(control) != 0.0 { a.of(nets) } else { b.of(nets) };
+                net!(o) = if net!(control) != 0.0 {
+                    a.of(nets)
+                } else {
+                    b.of(nets)
+                };
             }
-            Op::Track { o, control, a, c, store } => {
-                net!(o) = if net!(control) != 0.0 { c * net!(a) } else { f.tracked[store as usize] };
+            Op::Track {
+                o,
+                control,
+                a,
+                c,
+                store,
+            } => {
+                net!(o) = if net!(control) != 0.0 {
+                    c * net!(a)
+                } else {
+                    f.tracked[store as usize]
+                };
             }
             Op::Delay { o, line } => net!(o) = f.lines[line as usize].read(t_s),
             Op::Wave { o, wave } => {

@@ -12,7 +12,9 @@
 
 use interface::Tick;
 
+use crate::block::dac::Hold;
 use crate::block::delay::POINTS;
+use crate::block::source::Firing;
 use crate::event::{Happenings, fatal};
 use crate::fault::RunFault;
 use crate::integrate::{Scheme, Step, System};
@@ -40,7 +42,7 @@ const LEAST_TIME_S: f64 = 1e-9;
 /// Probes of one bracketing: bisection alone needs 60, every fourth probe bisects.
 const PROBES: usize = 250;
 
-/// Two units in the last place of `t_s`.
+/// About two units in the last place of `t_s`, s.
 fn resolution_s(t_s: f64) -> f64 {
     f64::EPSILON * t_s.abs().max(LEAST_TIME_S)
 }
@@ -67,7 +69,13 @@ impl<'a> Recorder<'a> {
             next += 1;
         }
         let values = vec![0.0; slots.len()];
-        Recorder { every, next, slots, values, sink }
+        Recorder {
+            every,
+            next,
+            slots,
+            values,
+            sink,
+        }
     }
 
     fn next_s(&self) -> f64 {
@@ -89,6 +97,8 @@ impl<'a> Recorder<'a> {
 pub(crate) struct Engine {
     pub machine: Machine,
     pub frozen: Frozen,
+    /// Initial conditions, as set for the next reset.
+    pub ics: Vec<f64>,
     pub nets: Vec<f64>,
     /// A second set of nets, for looking between the ends of a step.
     pub probe: Vec<f64>,
@@ -121,29 +131,21 @@ impl Machine {
 }
 
 impl Engine {
-    pub fn reset(&mut self, ics: &[f64]) -> Result<(), RunFault> {
+    pub fn reset(&mut self) -> Result<(), RunFault> {
         let fresh = self.machine.frozen();
         let old = std::mem::replace(&mut self.frozen, fresh);
         // What the digital side holds outlives a reset.
         self.frozen.dcus = old.dcus;
         for (new, held) in self.frozen.holds.iter_mut().zip(&old.holds) {
-            *new = crate::block::dac::Hold::at(held.at_time(self.t_s));
+            *new = Hold::at(held.at_time(self.t_s));
         }
-        for (_, slot) in &self.machine.control_lines {
-            let (slot, nets) = (*slot as usize, &mut self.nets);
-            self.probe[slot] = nets[slot];
-        }
-        let controls: Vec<(u32, f64)> = self
-            .machine
-            .control_lines
-            .iter()
-            .map(|(_, slot)| (*slot, self.nets[*slot as usize]))
-            .collect();
+        self.before.copy_from_slice(&self.nets);
         self.nets.copy_from_slice(&self.machine.initial_nets);
-        for (slot, value) in controls {
-            self.nets[slot as usize] = value;
+        for (_, slot) in &self.machine.control_lines {
+            self.nets[*slot as usize] = self.before[*slot as usize];
         }
-        self.nets[..ics.len()].copy_from_slice(ics);
+        self.load_functions();
+        self.nets[..self.ics.len()].copy_from_slice(&self.ics);
         self.t_s = 0.0;
         self.statistics = Statistics::default();
         self.step.evaluations = 0;
@@ -153,7 +155,8 @@ impl Engine {
         self.chatter_from_s = 0.0;
         self.former_error = 1e-4;
         for (i, (_, timer)) in self.machine.timers.iter().enumerate() {
-            self.frozen.timer_s[i] = timer.instant_s(0);
+            self.frozen.timer_count[i] = timer.first();
+            self.frozen.timer_s[i] = timer.instant_s(timer.first());
         }
         self.fire_timers();
         self.settle(true, Some(0))?;
@@ -161,23 +164,23 @@ impl Engine {
         Ok(())
     }
 
-    pub fn apply(&mut self, ics: &[f64], initial: bool) -> Result<(), RunFault> {
-        let functions = std::mem::take(&mut self.machine.digital_functions);
-        for function in &functions {
+    /// Settles what the digital side has set.
+    pub fn apply(&mut self, initial: bool) -> Result<(), RunFault> {
+        self.load_functions();
+        self.settle(initial, Some(0))
+    }
+
+    fn load_functions(&mut self) {
+        for function in &self.machine.digital_functions {
             function.load(&self.machine.breakpoints, &mut self.frozen);
         }
-        self.machine.digital_functions = functions;
-        if initial {
-            // Nothing has moved yet: regions and states follow the new settings.
-            self.nets[..ics.len()].copy_from_slice(ics);
-        }
-        self.settle(initial, Some(0))
     }
 
     pub fn derivative_pass(&mut self) -> f64 {
         let n = self.step.y0.len();
         self.probe[..n].copy_from_slice(&self.step.y0);
-        self.machine.derivatives(&self.frozen, self.t_s, &mut self.probe, &mut self.step.f1);
+        self.machine
+            .derivatives(&self.frozen, self.t_s, &mut self.probe, &mut self.step.f1);
         self.step.f1.last().copied().unwrap_or(0.0)
     }
 
@@ -193,16 +196,20 @@ impl Engine {
             // What is read at this instant belongs to what follows it.
             line.aim(t_s, line.delay_s * 1e-3);
         }
-        let Engine { machine, frozen, nets, before, happenings, .. } = self;
-        // On reset the settled ICs are in `nets` already; a resetting integrator without
-        // `reset-to` takes them from the machine of the same run.
-        let ics = std::mem::take(&mut machine.ics);
-        let result = machine.settle(frozen, &ics, t_s, nets, before, initial, happenings);
-        machine.ics = ics;
-        result?;
+        let Engine {
+            machine,
+            frozen,
+            nets,
+            before,
+            happenings,
+            ics,
+            ..
+        } = self;
+        machine.settle(frozen, ics, t_s, nets, before, initial, happenings)?;
         self.overloads.append(&mut self.happenings.overloads);
         self.step.y0.copy_from_slice(&self.nets[..n]);
-        self.machine.derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
+        self.machine
+            .derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
         self.step.evaluations += 1;
         self.probe.copy_from_slice(&self.nets);
         self.scheme.restart();
@@ -233,9 +240,17 @@ impl Engine {
             (None, None, Some(slot)) => ("derivative", slot),
             (None, None, None) => ("error estimate", self.step.worst),
         };
-        let block = machine.block_of_slot.get(slot).map_or_else(String::new, |b| machine.block_name(*b));
+        let block = machine
+            .block_of_slot
+            .get(slot)
+            .map_or_else(String::new, |b| machine.block_name(*b));
         let net = machine.slot_name(slot as u32);
-        RunFault::NonFinite { t_s: self.t_s, block, net, what }
+        RunFault::NonFinite {
+            t_s: self.t_s,
+            block,
+            net,
+            what,
+        }
     }
 
     fn fire_timers(&mut self) -> bool {
@@ -246,19 +261,16 @@ impl Engine {
                 let (slot, timer) = self.machine.timers[i];
                 let n = self.frozen.timer_count[i];
                 match timer.fire(n) {
-                    crate::block::source::Firing::Value(value) => self.nets[slot as usize] = value,
-                    crate::block::source::Firing::Started(wave) => {
-                        self.frozen.started[wave as usize] = true;
-                    }
-                    crate::block::source::Firing::Renew(noise) => {
+                    Firing::Value(value) => self.nets[slot as usize] = value,
+                    Firing::Started(wave) => self.frozen.started[wave as usize] = true,
+                    Firing::Renew(noise) => {
                         self.nets[slot as usize] = self.frozen.noises[noise as usize].next();
                     }
                 }
                 self.frozen.timer_count[i] = n + 1;
-                // A period below the resolution of time must not hang the loop.
-                let next = timer.instant_s(n + 1);
-                let least = self.t_s + resolution_s(self.t_s);
-                self.frozen.timer_s[i] = if next > self.t_s || n == 0 && next <= self.t_s && next >= 0.0 && self.t_s > 0.0 { next.max(least) } else { least };
+                // However short a period, time goes on between two firings.
+                let least_s = self.t_s + resolution_s(self.t_s);
+                self.frozen.timer_s[i] = timer.instant_s(n + 1).max(least_s);
             }
         }
         fired
@@ -266,8 +278,17 @@ impl Engine {
 
     /// The next instant that is known beforehand, s.
     fn next_instant_s(&self) -> f64 {
-        let timers = self.frozen.timer_s.iter().copied().fold(f64::INFINITY, f64::min);
-        self.frozen.lines.iter().map(|line| line.next_s()).fold(timers, f64::min)
+        let timers = self
+            .frozen
+            .timer_s
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        self.frozen
+            .lines
+            .iter()
+            .map(|line| line.next_s())
+            .fold(timers, f64::min)
     }
 
     fn first_step_s(&mut self) -> f64 {
@@ -286,13 +307,18 @@ impl Engine {
         };
         let (y0, f0) = (&self.step.y0, &self.step.f0);
         let (d0, d1) = (size(y0, y0, &self.atol), size(f0, y0, &self.atol));
-        let mut h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
+        let mut h0 = if d0 < 1e-5 || d1 < 1e-5 {
+            1e-6
+        } else {
+            0.01 * d0 / d1
+        };
         h0 = h0.min(cap_s);
         for i in 0..n {
             self.probe[i] = y0[i] + h0 * f0[i];
         }
         let t_s = self.t_s + h0;
-        self.machine.derivatives(&self.frozen, t_s, &mut self.probe, &mut self.step.f1);
+        self.machine
+            .derivatives(&self.frozen, t_s, &mut self.probe, &mut self.step.f1);
         self.step.evaluations += 1;
         for i in 0..n {
             self.step.f1[i] = (self.step.f1[i] - self.step.f0[i]) / h0;
@@ -305,13 +331,15 @@ impl Engine {
             (0.01 / greatest).powf(1.0 / self.scheme.exponent())
         };
         let h = (100.0 * h0).min(h1).min(cap_s);
-        if h.is_finite() && h > 0.0 { h } else { 1e-6_f64.min(cap_s) }
+        if h.is_finite() && h > 0.0 {
+            h
+        } else {
+            1e-6_f64.min(cap_s)
+        }
     }
 
     fn cap_s(&self) -> f64 {
-        let settling = self.frozen.holds.iter().filter_map(|h| h.settling_s());
-        let cap = settling.fold(self.machine.step_cap_s, f64::min);
-        cap.min(self.integration.max_step_s)
+        self.machine.step_cap_s.min(self.integration.max_step_s)
     }
 
     /// Operates until `stop_s`, or until an overload stops it.
@@ -350,8 +378,7 @@ impl Engine {
                     recorder.record(&self.nets);
                 }
             }
-            if self.overloads.len() > known
-                && self.integration.overload != OverloadPolicy::Continue
+            if self.overloads.len() > known && self.integration.overload != OverloadPolicy::Continue
             {
                 return Ok(self.overloads.get(known).copied());
             }
@@ -376,9 +403,23 @@ impl Engine {
         for line in &mut self.frozen.lines {
             line.aim(self.t_s, h_s);
         }
-        let Engine { machine, frozen, atol, integration, step, nets, scheme, .. } = self;
+        let Engine {
+            machine,
+            frozen,
+            atol,
+            integration,
+            step,
+            nets,
+            scheme,
+            ..
+        } = self;
         step.t0_s = self.t_s;
-        let system = System { machine, frozen, atol, rtol: integration.rtol };
+        let system = System {
+            machine,
+            frozen,
+            atol,
+            rtol: integration.rtol,
+        };
         scheme.attempt(system, step, h_s, nets)
     }
 
@@ -391,19 +432,28 @@ impl Engine {
         let room_s = target_s - self.t_s;
         let adaptive = self.scheme.adaptive();
         let proposal_s = self.next_step_s.min(self.cap_s());
-        let mut h_s = if adaptive { proposal_s.min(room_s) } else { room_s.min(self.machine.step_cap_s) };
+        let mut h_s = if adaptive {
+            proposal_s.min(room_s)
+        } else {
+            room_s.min(self.machine.step_cap_s)
+        };
+        if adaptive && proposal_s <= resolution_s(self.t_s) {
+            return Err(self.underflow(1.0, proposal_s));
+        }
         let mut end_s = self.end_of(h_s, target_s, room_s);
         let mut rejected = false;
         loop {
-            h_s = end_s - self.t_s;
-            let error = self.attempt(h_s);
+            // The step as time resolves it; the wish goes on shrinking below that.
+            let step_s = end_s - self.t_s;
+            let error = self.attempt(step_s);
             if !adaptive {
                 break;
             }
             if error <= 1.0 {
-                self.propose(error, h_s, proposal_s, rejected);
+                self.propose(error, step_s, proposal_s, rejected);
                 break;
             }
+            h_s = h_s.min(step_s);
             self.statistics.rejected += 1;
             let shrink = if error.is_finite() {
                 (SAFETY * error.powf(-1.0 / self.scheme.exponent())).clamp(SHRINK, SAFETY)
@@ -467,7 +517,11 @@ impl Engine {
             let state = self.step.worst;
             let block = self.machine.block_of_state.get(state);
             let block = block.map_or_else(String::new, |b| self.machine.block_name(*b));
-            RunFault::StepUnderflow { t_s: self.t_s, step_s, block }
+            RunFault::StepUnderflow {
+                t_s: self.t_s,
+                step_s,
+                block,
+            }
         } else {
             self.not_finite(&self.nets, &self.step.f1)
         }
@@ -534,7 +588,10 @@ impl Engine {
             self.look((t_s - self.step.t0_s) / self.step.h_s);
         }
         let mut margins = std::mem::take(&mut self.margins);
-        self.witness(if by_steps { &self.nets } else { &self.probe }, &mut margins);
+        self.witness(
+            if by_steps { &self.nets } else { &self.probe },
+            &mut margins,
+        );
         self.margins = margins;
         self.margins.iter().any(|g| *g > 0.0)
     }
@@ -620,7 +677,12 @@ impl Engine {
     /// surface, if one does: the place of a graze. The middle is in `margins`.
     fn nearest_approach(&self) -> Option<f64> {
         let mut best: Option<(f64, f64)> = None;
-        for ((low, middle), high) in self.margins_low.iter().zip(&self.margins).zip(&self.margins_high) {
+        for ((low, middle), high) in self
+            .margins_low
+            .iter()
+            .zip(&self.margins)
+            .zip(&self.margins_high)
+        {
             let bend = 2.0 * (low - 2.0 * middle + high);
             if !(bend < 0.0) {
                 continue;
@@ -697,7 +759,13 @@ impl Engine {
         if self.chatter < CHATTER_EVENTS {
             return Ok(());
         }
-        let block = self.machine.block_name(self.machine.elements[element as usize].0);
-        Err(RunFault::Chatter { t_s: self.t_s, block, events: self.chatter })
+        let block = self
+            .machine
+            .block_name(self.machine.elements[element as usize].0);
+        Err(RunFault::Chatter {
+            t_s: self.t_s,
+            block,
+            events: self.chatter,
+        })
     }
 }

@@ -27,7 +27,11 @@ pub struct RecordFault {
 
 enum Sink {
     Csv(Box<csv::Writer<Box<dyn Write>>>),
-    Arrow { writer: StreamWriter<BufWriter<File>>, schema: Arc<Schema>, columns: Vec<Vec<f64>> },
+    Arrow {
+        writer: StreamWriter<BufWriter<File>>,
+        schema: Arc<Schema>,
+        columns: Vec<Vec<f64>>,
+    },
 }
 
 /// Writes rows of time and net values.
@@ -45,17 +49,25 @@ impl Recorder {
         path: &Path,
         names: impl Iterator<Item = &'n str>,
     ) -> Result<Recorder, RecordFault> {
-        let fault = |reason: String| RecordFault { path: path.to_owned(), reason };
+        let fault = |reason: String| RecordFault {
+            path: path.to_owned(),
+            reason,
+        };
         let header = std::iter::once("time").chain(names);
         let sink = if path.extension().is_some_and(|e| e == "arrow") {
             let file = File::create(path).map_err(|e| fault(e.to_string()))?;
-            let fields: Vec<Field> =
-                header.map(|n| Field::new(n, DataType::Float64, false)).collect();
+            let fields: Vec<Field> = header
+                .map(|n| Field::new(n, DataType::Float64, false))
+                .collect();
             let columns = vec![Vec::with_capacity(BATCH_ROWS); fields.len()];
             let schema = Arc::new(Schema::new(fields));
             let writer = StreamWriter::try_new(BufWriter::new(file), &schema)
                 .map_err(|e| fault(e.to_string()))?;
-            Sink::Arrow { writer, schema, columns }
+            Sink::Arrow {
+                writer,
+                schema,
+                columns,
+            }
         } else {
             let out: Box<dyn Write> = if path.as_os_str() == "-" {
                 Box::new(std::io::stdout().lock())
@@ -63,10 +75,15 @@ impl Recorder {
                 Box::new(File::create(path).map_err(|e| fault(e.to_string()))?)
             };
             let mut writer = csv::Writer::from_writer(out);
-            writer.write_record(header).map_err(|e| fault(e.to_string()))?;
+            writer
+                .write_record(header)
+                .map_err(|e| fault(e.to_string()))?;
             Sink::Csv(Box::new(writer))
         };
-        Ok(Recorder { path: path.to_owned(), sink })
+        Ok(Recorder {
+            path: path.to_owned(),
+            sink,
+        })
     }
 
     /// Adds one row: time in s, values in problem units.
@@ -76,10 +93,14 @@ impl Recorder {
     pub fn row(&mut self, time_s: f64, values: &[f64]) -> Result<(), RecordFault> {
         let row = std::iter::once(time_s).chain(values.iter().copied());
         let done = match &mut self.sink {
-            Sink::Csv(writer) => {
-                writer.write_record(row.map(|v| format!("{v:.16e}"))).map_err(|e| e.to_string())
-            }
-            Sink::Arrow { writer, schema, columns } => {
+            Sink::Csv(writer) => writer
+                .write_record(row.map(|v| format!("{v:.16e}")))
+                .map_err(|e| e.to_string()),
+            Sink::Arrow {
+                writer,
+                schema,
+                columns,
+            } => {
                 for (column, value) in columns.iter_mut().zip(row) {
                     column.push(value);
                 }
@@ -89,7 +110,10 @@ impl Recorder {
                 write_batch(writer, schema, columns).map_err(|e| e.to_string())
             }
         };
-        done.map_err(|reason| RecordFault { path: self.path.clone(), reason })
+        done.map_err(|reason| RecordFault {
+            path: self.path.clone(),
+            reason,
+        })
     }
 
     /// Writes what is still buffered and ends the file.
@@ -99,13 +123,18 @@ impl Recorder {
     pub fn finish(self) -> Result<(), RecordFault> {
         let done = match self.sink {
             Sink::Csv(mut writer) => writer.flush().map_err(|e| e.to_string()),
-            Sink::Arrow { mut writer, schema, mut columns } => {
-                write_batch(&mut writer, &schema, &mut columns)
-                    .and_then(|()| writer.finish())
-                    .map_err(|e| e.to_string())
-            }
+            Sink::Arrow {
+                mut writer,
+                schema,
+                mut columns,
+            } => write_batch(&mut writer, &schema, &mut columns)
+                .and_then(|()| writer.finish())
+                .map_err(|e| e.to_string()),
         };
-        done.map_err(|reason| RecordFault { path: self.path, reason })
+        done.map_err(|reason| RecordFault {
+            path: self.path,
+            reason,
+        })
     }
 }
 

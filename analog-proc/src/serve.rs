@@ -13,6 +13,7 @@ use crate::{
     order::Ordered,
     patch,
     simulation::Simulation,
+    static_check::static_check,
 };
 use interface::{
     Tick,
@@ -68,7 +69,11 @@ impl Server {
     fn answer(&mut self, request: Request) -> Result<Reply, String> {
         match request {
             Request::Hello { .. } => Err("the two sides have greeted each other already".into()),
-            Request::Load { bundle, params, profile } => {
+            Request::Load {
+                bundle,
+                params,
+                profile,
+            } => {
                 self.loaded = None;
                 let loaded = Loaded::new(bundle, params, Vec::new(), profile)?;
                 let reply = Reply::Loaded {
@@ -111,7 +116,12 @@ impl Server {
             Request::Preset(values) => {
                 let loaded = self.loaded()?;
                 for (name, value) in values {
-                    loaded.channels.preset(&loaded.ordered.netlist, &name, value, &mut loaded.simulation)?;
+                    loaded.channels.preset(
+                        &loaded.ordered.netlist,
+                        &name,
+                        value,
+                        &mut loaded.simulation,
+                    )?;
                 }
                 loaded.settle()?;
                 Ok(Reply::Done)
@@ -127,17 +137,25 @@ impl Server {
                         .map(|i| loaded.simulation.net(NetId(i as u32)))
                         .ok_or_else(|| format!("the patch has no net `{name}` to read"))
                 };
-                names.iter().map(read).collect::<Result<_, _>>().map(Reply::Values)
+                names
+                    .iter()
+                    .map(read)
+                    .collect::<Result<_, _>>()
+                    .map(Reply::Values)
             }
             Request::StaticCheck => {
                 let loaded = self.loaded()?;
-                loaded.reset()?;
-                let expected = loaded.ordered.netlist.expected.clone();
-                Ok(Reply::StaticCheck(loaded.simulation.static_check(&expected)))
+                static_check(&loaded.ordered, &mut loaded.simulation)
+                    .map(Reply::StaticCheck)
+                    .map_err(|f| f.to_string())
             }
             Request::Diagnose => Ok(Reply::Diagnosis {
                 fault: self.fault.clone(),
-                overloads: self.loaded.as_ref().map(Loaded::overloads).unwrap_or_default(),
+                overloads: self
+                    .loaded
+                    .as_ref()
+                    .map(Loaded::overloads)
+                    .unwrap_or_default(),
             }),
             Request::Operate(_) | Request::Bye => Err("not a request to be answered here".into()),
         }
@@ -154,18 +172,28 @@ impl Server {
     }
 
     fn loaded(&mut self) -> Result<&mut Loaded, String> {
-        self.loaded.as_mut().ok_or_else(|| "no patch is loaded; load one first".into())
+        self.loaded
+            .as_mut()
+            .ok_or_else(|| "no patch is loaded; load one first".into())
     }
 
     /// Whether a run may start as asked.
     fn admit(&mut self, spec: &RunSpec) -> Result<(), String> {
         let loaded = self.loaded()?;
-        let RunSpec { frame, latency, skew, stop, .. } = *spec;
+        let RunSpec {
+            frame,
+            latency,
+            skew,
+            stop,
+            ..
+        } = *spec;
         if frame <= Tick::ZERO {
             return Err(format!("frame period {frame} is not positive"));
         }
         if latency < Tick::ZERO || latency > frame {
-            return Err(format!("latency {latency} lies outside 0 … {frame} (one frame)"));
+            return Err(format!(
+                "latency {latency} lies outside 0 … {frame} (one frame)"
+            ));
         }
         let scan = loaded.channels.scan_time(skew);
         if skew < Tick::ZERO || scan > latency {
@@ -195,7 +223,15 @@ impl Loaded {
         crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
         let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
-        let mut loaded = Loaded { bundle, profile, params, ics: Vec::new(), ordered, simulation, channels };
+        let mut loaded = Loaded {
+            bundle,
+            profile,
+            params,
+            ics: Vec::new(),
+            ordered,
+            simulation,
+            channels,
+        };
         for (name, value) in ics {
             loaded.set_ic(&name, value)?;
             loaded.ics.push((name, value));
@@ -206,7 +242,9 @@ impl Loaded {
 
     fn set_ic(&mut self, name: &str, value: f64) -> Result<(), String> {
         if !value.is_finite() {
-            return Err(format!("the IC of `{name}` is {value}, not a finite number"));
+            return Err(format!(
+                "the IC of `{name}` is {value}, not a finite number"
+            ));
         }
         let block = self
             .ordered
@@ -233,7 +271,7 @@ impl Loaded {
             .iter()
             .map(|o| Overload {
                 block: self.ordered.netlist.blocks[o.block.index()].name.clone(),
-                time_s: o.time_s,
+                time_s: o.t_s,
                 value: o.value,
             })
             .collect()

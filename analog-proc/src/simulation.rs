@@ -45,7 +45,6 @@ pub struct Statistics {
 #[derive(Debug)]
 pub struct Simulation {
     engine: Engine,
-    ics: Vec<f64>,
     mode: Mode,
     dirty: bool,
     ended: Option<LatchedOverload>,
@@ -54,7 +53,13 @@ pub struct Simulation {
 
 fn check(integration: &Integration) -> Result<(), RunFault> {
     let refuse = |setting, value| Err(RunFault::Setting { setting, value });
-    let Integration { rtol, atol, step_s, max_step_s, .. } = *integration;
+    let Integration {
+        rtol,
+        atol,
+        step_s,
+        max_step_s,
+        ..
+    } = *integration;
     if !(rtol >= 0.0 && rtol.is_finite()) {
         return refuse("rtol", rtol);
     }
@@ -83,10 +88,14 @@ impl Simulation {
         let frozen: Frozen = machine.frozen();
         let (states, slots) = (machine.states, machine.slots);
         let watched = machine.watched.len();
-        let atol: Vec<f64> = machine.scales.iter().map(|s| s * integration.atol).collect();
-        let ics = machine.ics.clone();
+        let atol: Vec<f64> = machine
+            .scales
+            .iter()
+            .map(|s| s * integration.atol)
+            .collect();
         let engine = Engine {
             frozen,
+            ics: machine.ics.clone(),
             nets: machine.initial_nets.clone(),
             probe: machine.initial_nets.clone(),
             before: vec![0.0; slots],
@@ -109,7 +118,6 @@ impl Simulation {
         };
         let mut simulation = Simulation {
             engine,
-            ics,
             mode: Mode::InitialCondition,
             dirty: false,
             ended: None,
@@ -129,7 +137,7 @@ impl Simulation {
         self.dirty = false;
         self.ended = None;
         self.fault = None;
-        let result = self.engine.reset(&self.ics);
+        let result = self.engine.reset();
         self.keep(result)
     }
 
@@ -138,7 +146,7 @@ impl Simulation {
     pub fn set_ic(&mut self, block: BlockId, value: f64) {
         let state = self.engine.machine.state_of_block.get(block.index());
         if let Some(Some(state)) = state {
-            self.ics[*state as usize] = value;
+            self.engine.ics[*state as usize] = value;
         }
     }
 
@@ -182,8 +190,10 @@ impl Simulation {
         nets: &[NetId],
         mut sink: impl FnMut(f64, &[f64]),
     ) -> Result<Advance, RunFault> {
-        let slots: Vec<u32> =
-            nets.iter().map(|n| self.engine.machine.slot_of_net[n.index()]).collect();
+        let slots: Vec<u32> = nets
+            .iter()
+            .map(|n| self.engine.machine.slot_of_net[n.index()])
+            .collect();
         let mut recorder = Recorder::new(self.engine.t_s, every, slots, &mut sink);
         self.advance(t, Some(&mut recorder))
     }
@@ -200,7 +210,10 @@ impl Simulation {
             self.apply()?;
         }
         if self.mode == Mode::Hold || self.ended.is_some() {
-            return Ok(Advance { reached: self.now(), stopped_by: self.ended });
+            return Ok(Advance {
+                reached: self.now(),
+                stopped_by: self.ended,
+            });
         }
         self.mode = Mode::Operate;
         let result = self.engine.operate(t.secs(), recorder);
@@ -213,7 +226,10 @@ impl Simulation {
             }
         }
         let reached = if stopped_by.is_some() { self.now() } else { t };
-        Ok(Advance { reached, stopped_by })
+        Ok(Advance {
+            reached,
+            stopped_by,
+        })
     }
 
     fn keep<T>(&mut self, result: Result<T, RunFault>) -> Result<T, RunFault> {
@@ -239,8 +255,6 @@ impl Simulation {
 
     /// Loads a DAC channel; in force from [`Simulation::apply`] on.
     pub fn set_dac(&mut self, channel: u32, piece: DacPiece) {
-        let t_s = self.engine.t_s;
-        let piece = DacPiece { from_s: piece.from_s.min(t_s), ..piece };
         let channels = &self.engine.machine.dac_channels;
         for (hold, (number, _)) in self.engine.frozen.holds.iter_mut().zip(channels) {
             let new = hold.transfer(piece);
@@ -284,7 +298,7 @@ impl Simulation {
         }
         self.dirty = false;
         let initial = self.mode == Mode::InitialCondition;
-        let result = self.engine.apply(&self.ics, initial);
+        let result = self.engine.apply(initial);
         self.keep(result)
     }
 
@@ -306,7 +320,9 @@ impl Simulation {
     #[must_use]
     pub fn sense(&self, line: u32) -> bool {
         let senses = &self.engine.machine.senses;
-        senses.iter().any(|(number, slot)| *number == line && self.engine.nets[*slot as usize] != 0.0)
+        senses
+            .iter()
+            .any(|(number, slot)| *number == line && self.engine.nets[*slot as usize] != 0.0)
     }
 
     /// Overloads latched since the last reset, in order of time.
@@ -326,14 +342,24 @@ impl Simulation {
             let driver = self.engine.machine.driver_of(item.net);
             let found = [
                 (false, item.output, self.net(item.net)),
-                (true, item.derivative, driver.and_then(|b| self.derivative(b)).unwrap_or(f64::NAN)),
+                (
+                    true,
+                    item.derivative,
+                    driver.and_then(|b| self.derivative(b)).unwrap_or(f64::NAN),
+                ),
             ];
             for (derivative, expected, found) in found {
                 let Some(expected) = expected else { continue };
                 // Not `>`: an undefined value is a mismatch.
                 if !((found - expected).abs() <= item.tolerance) {
                     let (net, tolerance) = (item.net, item.tolerance);
-                    mismatches.push(Mismatch { net, derivative, expected, found, tolerance });
+                    mismatches.push(Mismatch {
+                        net,
+                        derivative,
+                        expected,
+                        found,
+                        tolerance,
+                    });
                 }
             }
         }

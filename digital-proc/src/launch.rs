@@ -8,12 +8,10 @@
 
 use interface::{
     Side,
-    link::{
-        AnalogPort, DigitalPort, LinkFault, Patience, memory,
-        shm::ShmDigital,
-    },
+    link::{AnalogPort, DigitalPort, LinkFault, Patience, memory, shm::ShmDigital},
     session::{Session, SessionError},
 };
+use rustix::process::{Pid, Signal, kill_process};
 use std::{
     os::unix::process::CommandExt,
     process::{Child, Command, ExitStatus, Stdio},
@@ -22,6 +20,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+/// How long a partner may take to leave by itself after a goodbye.
+const GOODBYE: Duration = Duration::from_millis(50);
 /// How long a partner that was told to end may take.
 const FAREWELL: Duration = Duration::from_secs(2);
 
@@ -89,7 +89,10 @@ impl Started {
                     .name("analog-proc".into())
                     .spawn(move || drop((analog.serve)(&mut far)))
                     .map_err(LaunchFault::Spawn)?;
-                Ok(Started { port: Box::new(near), partner: Partner::Thread(Some(thread)) })
+                Ok(Started {
+                    port: Box::new(near),
+                    partner: Partner::Thread(Some(thread)),
+                })
             }
             LinkChoice::Shm => {
                 let session = Session::create(Side::Digital, None)?;
@@ -102,14 +105,23 @@ impl Started {
                     .stdout(Stdio::null())
                     .spawn()
                     .map_err(LaunchFault::Spawn)?;
-                let guard = Guard { child, session: session.clone() };
+                let guard = Guard {
+                    child,
+                    session: session.clone(),
+                };
                 let port = ShmDigital::open(&session, Some(guard.child.id()), &patience)?;
-                Ok(Started { port: Box::new(port), partner: Partner::Process(guard) })
+                Ok(Started {
+                    port: Box::new(port),
+                    partner: Partner::Process(guard),
+                })
             }
             LinkChoice::Attach(name) => {
                 let session = Session::join(Side::Digital, name)?;
                 let port = ShmDigital::open(&session, None, &patience)?;
-                Ok(Started { port: Box::new(port), partner: Partner::Foreign(session) })
+                Ok(Started {
+                    port: Box::new(port),
+                    partner: Partner::Foreign(session),
+                })
             }
         }
     }
@@ -153,6 +165,13 @@ impl Guard {
 
 impl Drop for Guard {
     fn drop(&mut self) {
+        if self.wait(GOODBYE).is_some() {
+            return;
+        }
+        // No goodbye was said: this side was interrupted or failed.
+        if let Some(pid) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
+            let _ = kill_process(pid, Signal::TERM);
+        }
         if self.wait(FAREWELL).is_none() {
             let _ = self.child.kill();
             let _ = self.child.wait();

@@ -127,6 +127,12 @@ impl Settling {
         }
     }
 
+    /// The time constant, s; zero when off.
+    #[must_use]
+    pub fn time_constant_s(&self) -> f64 {
+        self.time_constant_s
+    }
+
     /// Output `elapsed_s` after it was `start`, driven by `value + slope·t`:
     /// `y = u(t) − bτ + (y0 − a + bτ)·e^(−t/τ)`, the exact solution of τẏ = u − y.
     #[must_use]

@@ -20,7 +20,12 @@ impl DacPiece {
     /// A value held from `from_s` on, without settling.
     #[must_use]
     pub fn held(value: f64, from_s: f64) -> DacPiece {
-        DacPiece { value, slope_per_s: 0.0, from_s, settling_s: 0.0 }
+        DacPiece {
+            value,
+            slope_per_s: 0.0,
+            from_s,
+            settling_s: 0.0,
+        }
     }
 }
 
@@ -35,7 +40,11 @@ pub(crate) struct Hold {
 
 impl Hold {
     pub fn at(value: f64) -> Hold {
-        Hold { piece: DacPiece::held(value, 0.0), residue: 0.0, constant: true }
+        Hold {
+            piece: DacPiece::held(value, 0.0),
+            residue: 0.0,
+            constant: true,
+        }
     }
 
     pub fn transfer(&self, piece: DacPiece) -> Hold {
@@ -44,8 +53,14 @@ impl Hold {
         } else {
             0.0
         };
-        let constant = piece.slope_per_s == 0.0 && residue == 0.0;
-        Hold { piece, residue, constant }
+        if piece.slope_per_s == 0.0 && residue == 0.0 {
+            return Hold::at(piece.value);
+        }
+        Hold {
+            piece,
+            residue,
+            constant: false,
+        }
     }
 
     #[inline(always)]
@@ -59,10 +74,5 @@ impl Hold {
             value += self.residue * (-since_s / self.piece.settling_s).exp();
         }
         value
-    }
-
-    /// Time constant of a settling that is still going on at `t_s`, s.
-    pub fn settling_s(&self) -> Option<f64> {
-        (self.residue != 0.0).then_some(self.piece.settling_s)
     }
 }

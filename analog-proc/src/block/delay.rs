@@ -93,7 +93,11 @@ impl DelayLine {
             let Some(first) = self.segments.front() else {
                 return self.initial;
             };
-            return if s < -slack_s || s < first.t0_s - slack_s { self.initial } else { first.at(first.t0_s) };
+            return if s < -slack_s || s < first.t0_s - slack_s {
+                self.initial
+            } else {
+                first.at(first.t0_s)
+            };
         };
         let segment = &self.segments[i];
         if segment.epoch > self.reading && s - segment.t0_s <= slack_s && i > 0 {
@@ -110,7 +114,12 @@ impl DelayLine {
     /// Stores the input over an accepted step.
     pub fn store(&mut self, t0_s: f64, h_s: f64, u: [f64; POINTS]) {
         let epoch = self.epoch.max(1);
-        self.segments.push_back(Segment { t0_s, h_s, epoch, u });
+        self.segments.push_back(Segment {
+            t0_s,
+            h_s,
+            epoch,
+            u,
+        });
     }
 
     /// An event at `t_s`, as old as `generation` passes.

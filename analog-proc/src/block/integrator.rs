@@ -38,7 +38,9 @@ impl Control {
             nets[state] = target;
         }
         let operating = self.operate.is_none_or(|s| nets[s as usize] != 0.0);
-        let free = self.stops.is_none_or(|e| f.region[e as usize] == Stops::FREE);
+        let free = self
+            .stops
+            .is_none_or(|e| f.region[e as usize] == Stops::FREE);
         f.running[index] = operating && !resetting && free;
         moved
     }

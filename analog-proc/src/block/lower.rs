@@ -1,5 +1,6 @@
 //! What each kind of block is made of.
 
+use super::Lowering;
 use super::curve::{
     DigitalFunction, Piece, band, pieces_of_abs, pieces_of_dead_zone, pieces_of_limiter,
     pieces_of_table,
@@ -11,14 +12,22 @@ use super::logic::Store;
 use super::piecewise::Piecewise;
 use super::source::{Timer, Waveform};
 use super::surface::{Cell, Table};
-use super::Lowering;
 use crate::fault::RunFault;
 use crate::machine::{Op, Slot, Term};
 use crate::net::{Block, Kind, Level, Wave};
 use crate::order::Ordered;
 
+/// Shortest delay, pulse or period: one tick, s.
+const LEAST_TIME_S: f64 = 1e-9;
+
 fn scaled(terms: Vec<Term>, factor: f64) -> Vec<Term> {
-    terms.into_iter().map(|t| Term { slot: t.slot, c: factor * t.c }).collect()
+    terms
+        .into_iter()
+        .map(|t| Term {
+            slot: t.slot,
+            c: factor * t.c,
+        })
+        .collect()
 }
 
 impl Lowering {
@@ -32,7 +41,7 @@ impl Lowering {
             return Err(self.malformed("it drives no net"));
         };
         let o = self.slot(net);
-        let state = self.m.state_of_block[self.block.index()];
+        self.check_times(&block.kind)?;
         match &block.kind {
             Kind::Integrator { ic, .. }
             | Kind::RateLimiter { ic, .. }
@@ -50,12 +59,30 @@ impl Lowering {
                 let u = self.sum(&block.inputs)?;
                 let dcu = self.dcu(*channel, *initial);
                 let varying = self.vary(&[u.slot]);
-                self.push(Op::Dcu { o, dcu, a: u.slot, c: u.c }, &[o], varying);
+                self.push(
+                    Op::Dcu {
+                        o,
+                        dcu,
+                        a: u.slot,
+                        c: u.c,
+                    },
+                    &[o],
+                    varying,
+                );
             }
             Kind::Mdac { channel, initial } => {
                 let u = self.sum(&block.inputs)?;
                 let hold = self.dac(*channel, *initial);
-                self.push(Op::Mdac { o, hold, a: u.slot, c: u.c }, &[o], true);
+                self.push(
+                    Op::Mdac {
+                        o,
+                        hold,
+                        a: u.slot,
+                        c: u.c,
+                    },
+                    &[o],
+                    true,
+                );
             }
             Kind::Dac { channel, initial } => {
                 let hold = self.dac(*channel, *initial);
@@ -66,26 +93,52 @@ impl Lowering {
                 let [a, b] = self.exactly(&block.inputs)?;
                 self.element(Piecewise::Divisor { u: b }, &[b.slot]);
                 let varying = self.vary(&[a.slot, b.slot]);
-                let op = Op::Quotient { o, a: a.slot, b: b.slot, c: a.c / b.c };
+                let op = Op::Quotient {
+                    o,
+                    a: a.slot,
+                    b: b.slot,
+                    c: a.c / b.c,
+                };
                 self.push(op, &[o], varying);
             }
             Kind::Square => {
                 let u = self.sum(&block.inputs)?;
                 let varying = self.vary(&[u.slot]);
-                self.push(Op::Product { o, a: u.slot, b: u.slot, c: u.c * u.c }, &[o], varying);
+                self.push(
+                    Op::Product {
+                        o,
+                        a: u.slot,
+                        b: u.slot,
+                        c: u.c * u.c,
+                    },
+                    &[o],
+                    varying,
+                );
             }
             Kind::SquareRoot => {
                 let u = self.sum(&block.inputs)?;
                 self.element(Piecewise::Radicand { u }, &[u.slot]);
                 let varying = self.vary(&[u.slot]);
-                self.push(Op::Root { o, a: u.slot, c: u.c }, &[o], varying);
+                self.push(
+                    Op::Root {
+                        o,
+                        a: u.slot,
+                        c: u.c,
+                    },
+                    &[o],
+                    varying,
+                );
             }
             Kind::Sine | Kind::Cosine => {
                 let u = self.sum(&block.inputs)?;
                 let varying = self.vary(&[u.slot]);
                 let (a, c) = (u.slot, u.c);
                 let sine = matches!(block.kind, Kind::Sine);
-                let op = if sine { Op::Sine { o, a, c } } else { Op::Cosine { o, a, c } };
+                let op = if sine {
+                    Op::Sine { o, a, c }
+                } else {
+                    Op::Cosine { o, a, c }
+                };
                 self.push(op, &[o], varying);
             }
             Kind::Resolver => {
@@ -118,32 +171,55 @@ impl Lowering {
                 let u = self.sum(&block.inputs)?;
                 self.curve_into(o, u, x, &pieces_of_table(x, y));
             }
-            Kind::DigitalFunction { x, first_channel, initial } => {
+            Kind::DigitalFunction {
+                x,
+                first_channel,
+                initial,
+            } => {
                 if x.is_empty() || x.len() != initial.len() {
                     return Err(self.malformed("its table needs as many values as breakpoints"));
                 }
                 let u = self.sum(&block.inputs)?;
-                let (element, curve) = self.curve_into(o, u, x, &pieces_of_table(x, initial));
+                let curve = self.curve_into(o, u, x, &pieces_of_table(x, initial));
                 // The ordinates lie side by side, so they have coefficients of their own.
                 let first = self.m.dcu_channels.len() as u32;
                 for (i, value) in initial.iter().enumerate() {
                     let channel = first_channel.saturating_add(i as u32);
                     self.m.dcu_channels.push((channel, *value));
                 }
-                self.m.digital_functions.push(DigitalFunction { element, curve, first });
+                self.m
+                    .digital_functions
+                    .push(DigitalFunction { curve, first });
             }
             Kind::Function2d { x, y, z } => {
                 if x.is_empty() || y.is_empty() || z.len() != x.len() * y.len() {
-                    return Err(self.malformed("its table needs one value for each pair of breakpoints"));
+                    return Err(
+                        self.malformed("its table needs one value for each pair of breakpoints")
+                    );
                 }
                 let [u, v] = self.exactly(&block.inputs)?;
                 let table = self.m.tables.len() as u32;
                 let bands = [band(x), band(y)];
-                self.m.tables.push(Table { x: x.clone(), y: y.clone(), z: z.clone(), bands });
+                self.m.tables.push(Table {
+                    x: x.clone(),
+                    y: y.clone(),
+                    z: z.clone(),
+                    bands,
+                });
                 let slots = [u.slot, v.slot];
                 let e = self.element(Piecewise::Cell(Cell { table, x: u, y: v }), &slots);
                 let varying = self.vary(&slots);
-                self.push(Op::Surface { o, e, table, x: u, y: v }, &[o], varying);
+                self.push(
+                    Op::Surface {
+                        o,
+                        e,
+                        table,
+                        x: u,
+                        y: v,
+                    },
+                    &[o],
+                    varying,
+                );
             }
             Kind::DeadZone { width } => {
                 let u = self.sum(&block.inputs)?;
@@ -155,7 +231,17 @@ impl Lowering {
                         let w = self.slot(net);
                         let e = self.element(Piecewise::DeadZone { u, width: w }, &[u.slot, w]);
                         let varying = self.vary(&[u.slot, w]);
-                        self.push(Op::DeadZone { o, e, a: u.slot, c: u.c, w }, &[o], varying);
+                        self.push(
+                            Op::DeadZone {
+                                o,
+                                e,
+                                a: u.slot,
+                                c: u.c,
+                                w,
+                            },
+                            &[o],
+                            varying,
+                        );
                     }
                 }
             }
@@ -169,19 +255,48 @@ impl Lowering {
                     let slots = [u.slot, low, high];
                     let e = self.element(Piecewise::Limiter { u, low, high }, &slots);
                     let varying = self.vary(&slots);
-                    self.push(Op::Limit { o, e, a: u.slot, c: u.c, low, high }, &[o], varying);
+                    self.push(
+                        Op::Limit {
+                            o,
+                            e,
+                            a: u.slot,
+                            c: u.c,
+                            low,
+                            high,
+                        },
+                        &[o],
+                        varying,
+                    );
                 }
             }
             Kind::DryFriction { level, breakaway } => {
                 let [velocity, applied] = self.exactly(&block.inputs)?;
                 let state = ((velocity.slot as usize) < self.m.states).then_some(velocity.slot);
-                let friction =
-                    Friction { velocity, applied, level: *level, breakaway: *breakaway, state };
+                let friction = Friction {
+                    velocity,
+                    applied,
+                    level: *level,
+                    breakaway: *breakaway,
+                    state,
+                };
                 let slots = [velocity.slot, applied.slot];
                 let e = self.element(Piecewise::Friction(friction), &slots);
-                self.push(Op::Friction { o, e, a: applied.slot, c: applied.c }, &[o], true);
+                self.push(
+                    Op::Friction {
+                        o,
+                        e,
+                        a: applied.slot,
+                        c: applied.c,
+                    },
+                    &[o],
+                    true,
+                );
             }
-            Kind::Relay { points, outputs, initially_on } => {
+            Kind::Relay {
+                points,
+                outputs,
+                initially_on,
+            } => {
                 let u = self.sum(&block.inputs)?;
                 let relay = Piecewise::Relay {
                     u,
@@ -192,7 +307,10 @@ impl Lowering {
                 let e = self.element(relay, &[u.slot]);
                 self.push(Op::Constant { o, e }, &[o], false);
             }
-            Kind::Comparator { threshold, hysteresis } => {
+            Kind::Comparator {
+                threshold,
+                hysteresis,
+            } => {
                 let u = self.sum(&block.inputs)?;
                 let comparator = Piecewise::Comparator {
                     u,
@@ -214,7 +332,17 @@ impl Lowering {
                 let store = self.m.track_ics.len() as u32;
                 self.m.track_ics.push(*ic);
                 let varying = self.vary(&[u.slot]);
-                self.push(Op::Track { o, control, a: u.slot, c: u.c, store }, &[o], varying);
+                self.push(
+                    Op::Track {
+                        o,
+                        control,
+                        a: u.slot,
+                        c: u.c,
+                        store,
+                    },
+                    &[o],
+                    varying,
+                );
             }
             Kind::TransportDelay { delay, initial } => {
                 let line = self.m.lines.len() as u32;
@@ -223,7 +351,14 @@ impl Lowering {
                 self.m.step_cap_s = self.m.step_cap_s.min(*delay);
                 self.push(Op::Delay { o, line }, &[o], true);
             }
-            Kind::Generator { wave, amplitude, offset, frequency_hz, phase_rad, start_s } => {
+            Kind::Generator {
+                wave,
+                amplitude,
+                offset,
+                frequency_hz,
+                phase_rad,
+                start_s,
+            } => {
                 let (offset, amplitude, start_s) = (*offset, *amplitude, *start_s);
                 self.m.initial_nets[o as usize] = offset;
                 let form = match wave {
@@ -235,18 +370,33 @@ impl Lowering {
                     Wave::Square => {
                         let (low, high) = (offset - amplitude, offset + amplitude);
                         let frequency_hz = *frequency_hz;
-                        let square = Timer::Square { low, high, frequency_hz, start_s };
+                        let square = Timer::Square {
+                            low,
+                            high,
+                            frequency_hz,
+                            start_s,
+                        };
                         self.m.timers.push((o, square));
                         None
                     }
-                    Wave::Ramp => Some(Waveform::Ramp { offset, slope: amplitude, start_s }),
+                    Wave::Ramp => Some(Waveform::Ramp {
+                        offset,
+                        slope: amplitude,
+                        start_s,
+                    }),
                     Wave::Sine => {
                         if *frequency_hz > 0.0 {
                             // No step passes over more than a quarter of a period unseen.
                             self.m.step_cap_s = self.m.step_cap_s.min(0.25 / frequency_hz);
                         }
                         let (frequency_hz, phase_rad) = (*frequency_hz, *phase_rad);
-                        Some(Waveform::Sine { offset, amplitude, frequency_hz, phase_rad, start_s })
+                        Some(Waveform::Sine {
+                            offset,
+                            amplitude,
+                            frequency_hz,
+                            phase_rad,
+                            start_s,
+                        })
                     }
                 };
                 if let Some(form) = form {
@@ -256,16 +406,30 @@ impl Lowering {
                     self.push(Op::Wave { o, wave }, &[o], true);
                 }
             }
-            Kind::Noise { sigma, every_s, seed } => {
+            Kind::Noise {
+                sigma,
+                every_s,
+                seed,
+            } => {
                 let noise = self.m.noises.len() as u32;
                 self.m.noises.push((*sigma, *seed));
-                self.m.timers.push((o, Timer::Noise { noise, every_s: *every_s }));
+                self.m.timers.push((
+                    o,
+                    Timer::Noise {
+                        noise,
+                        every_s: *every_s,
+                    },
+                ));
             }
             Kind::And | Kind::Or => {
                 let terms = self.terms(&block.inputs);
                 let (start, len) = self.store_terms(&terms);
                 let and = matches!(block.kind, Kind::And);
-                let op = if and { Op::And { o, start, len } } else { Op::Or { o, start, len } };
+                let op = if and {
+                    Op::And { o, start, len }
+                } else {
+                    Op::Or { o, start, len }
+                };
                 self.push(op, &[o], false);
             }
             Kind::Not => {
@@ -281,9 +445,7 @@ impl Lowering {
             Kind::Constant { value } => self.m.initial_nets[o as usize] = *value,
             Kind::Time => self.push(Op::Time { o }, &[o], true),
         }
-        if state.is_none() || block.max.is_some() {
-            self.overload(o, block.max);
-        }
+        self.overload(o, block.max);
         Ok(())
     }
 
@@ -297,7 +459,13 @@ impl Lowering {
         };
         let o = self.slot(net);
         match &block.kind {
-            Kind::Integrator { limits, operate, reset, reset_to, .. } => {
+            Kind::Integrator {
+                limits,
+                operate,
+                reset,
+                reset_to,
+                ..
+            } => {
                 let mut terms = self.terms(&block.inputs);
                 if terms.is_empty() {
                     return Err(self.malformed("it needs at least one input"));
@@ -305,7 +473,12 @@ impl Lowering {
                 let mut stops = None;
                 if let Some([low, high]) = *limits {
                     let rate = self.sum(&block.inputs)?;
-                    let element = Piecewise::Stops(Stops { state: o, rate, low, high });
+                    let element = Piecewise::Stops(Stops {
+                        state: o,
+                        rate,
+                        low,
+                        high,
+                    });
                     stops = Some(self.element(element, &[o]));
                     terms = vec![rate];
                 }
@@ -323,12 +496,18 @@ impl Lowering {
             }
             Kind::Lag { tau, gain, .. } => {
                 let mut terms = scaled(self.terms(&block.inputs), gain / tau);
-                terms.push(Term { slot: o, c: -1.0 / tau });
+                terms.push(Term {
+                    slot: o,
+                    c: -1.0 / tau,
+                });
                 self.rate(o, &terms);
             }
             Kind::RateLimiter { rate, tau, .. } => {
                 let mut terms = scaled(self.terms(&block.inputs), 1.0 / tau);
-                terms.push(Term { slot: o, c: -1.0 / tau });
+                terms.push(Term {
+                    slot: o,
+                    c: -1.0 / tau,
+                });
                 let pieces = pieces_of_limiter(-rate, *rate);
                 self.follower(o, &terms, &[-rate, *rate], &pieces, 1.0);
             }
@@ -351,14 +530,23 @@ impl Lowering {
             }
             Kind::FlipFlop { .. } => {
                 let [set, reset] = self.exactly(&block.inputs)?;
-                self.m.stores.push(Store::FlipFlop { o, set: set.slot, reset: reset.slot });
+                self.m.stores.push(Store::FlipFlop {
+                    o,
+                    set: set.slot,
+                    reset: reset.slot,
+                });
             }
             Kind::OneShot { width_s } => {
                 let [input] = self.exactly(&block.inputs)?;
                 let timer = self.m.timers.len() as u32;
                 self.m.timers.push((o, Timer::OneShotEnd));
                 let (input, width_s) = (input.slot, *width_s);
-                self.m.stores.push(Store::OneShot { o, input, width_s, timer });
+                self.m.stores.push(Store::OneShot {
+                    o,
+                    input,
+                    width_s,
+                    timer,
+                });
             }
             Kind::Counter { modulo } => {
                 let Some(clock) = block.inputs.first() else {
@@ -366,14 +554,46 @@ impl Lowering {
                 };
                 let clock = self.slot(clock.net);
                 let reset = block.inputs.get(1).map(|i| self.slot(i.net));
-                self.m.stores.push(Store::Counter { o, clock, reset, modulo: *modulo });
+                self.m.stores.push(Store::Counter {
+                    o,
+                    clock,
+                    reset,
+                    modulo: *modulo,
+                });
             }
             Kind::Interrupt { line } => {
-                self.m.stores.push(Store::Interrupt { input: o, line: *line });
+                self.m.stores.push(Store::Interrupt {
+                    input: o,
+                    line: *line,
+                });
             }
             _ => {}
         }
         Ok(())
+    }
+
+    /// Refuses times that problem time cannot resolve.
+    fn check_times(&self, kind: &Kind) -> Result<(), RunFault> {
+        let resolved = |s: f64| s >= LEAST_TIME_S;
+        let fine = match *kind {
+            Kind::RateLimiter { tau, .. } | Kind::Backlash { tau, .. } | Kind::Lag { tau, .. } => {
+                tau > 0.0
+            }
+            Kind::TransportDelay { delay, .. } => resolved(delay),
+            Kind::OneShot { width_s } => resolved(width_s),
+            Kind::Noise { every_s, .. } => resolved(every_s),
+            Kind::Generator {
+                frequency_hz,
+                start_s,
+                ..
+            } => start_s.is_finite() && frequency_hz >= 0.0 && frequency_hz <= 0.5 / LEAST_TIME_S,
+            _ => true,
+        };
+        if fine {
+            Ok(())
+        } else {
+            Err(self.malformed("one of its times is not positive, or below a nanosecond"))
+        }
     }
 
     fn weighted(&mut self, o: Slot, block: &Block, factor: f64) -> Result<(), RunFault> {
@@ -394,12 +614,22 @@ impl Lowering {
         for right in &terms[1..terms.len() - 1] {
             let slot = self.hidden();
             let varying = self.vary(&[left.slot, right.slot]);
-            let op = Op::Product { o: slot, a: left.slot, b: right.slot, c: left.c * right.c };
+            let op = Op::Product {
+                o: slot,
+                a: left.slot,
+                b: right.slot,
+                c: left.c * right.c,
+            };
             self.push(op, &[slot], varying);
             left = Term { slot, c: 1.0 };
         }
         let varying = self.vary(&[left.slot, last.slot]);
-        let op = Op::Product { o, a: left.slot, b: last.slot, c: left.c * last.c };
+        let op = Op::Product {
+            o,
+            a: left.slot,
+            b: last.slot,
+            c: left.c * last.c,
+        };
         self.push(op, &[o], varying);
         Ok(())
     }
@@ -418,11 +648,24 @@ impl Lowering {
     }
 
     /// `dy/dt = factor · curve(Σ terms)`.
-    fn follower(&mut self, o: Slot, terms: &[Term], corners: &[f64], pieces: &[Piece], factor: f64) {
+    fn follower(
+        &mut self,
+        o: Slot,
+        terms: &[Term],
+        corners: &[f64],
+        pieces: &[Piece],
+        factor: f64,
+    ) {
         let slot = self.hidden();
         self.sum_into(slot, terms);
         let driven = self.hidden();
         self.curve_into(driven, Term { slot, c: 1.0 }, corners, pieces);
-        self.rate(o, &[Term { slot: driven, c: factor }]);
+        self.rate(
+            o,
+            &[Term {
+                slot: driven,
+                c: factor,
+            }],
+        );
     }
 }

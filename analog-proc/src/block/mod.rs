@@ -123,19 +123,22 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         lowering.block = *id;
         lowering.inputs_of_stores(ordered)?;
     }
-    let m = &mut lowering.m;
-    let state_ops = m.fast.len();
-    m.fast.reserve_exact(state_ops);
     Ok(lowering.m)
 }
 
 impl Lowering {
     fn malformed(&self, reason: &'static str) -> RunFault {
-        RunFault::Malformed { block: self.m.block_name(self.block), reason }
+        RunFault::Malformed {
+            block: self.m.block_name(self.block),
+            reason,
+        }
     }
 
     fn term(&self, input: &Input) -> Term {
-        Term { slot: self.slot(input.net), c: input.coefficient }
+        Term {
+            slot: self.slot(input.net),
+            c: input.coefficient,
+        }
     }
 
     fn slot(&self, net: crate::net::NetId) -> Slot {
@@ -193,11 +196,27 @@ impl Lowering {
         let slots: Vec<Slot> = terms.iter().map(|t| t.slot).collect();
         let varying = self.vary(&slots);
         let op = match *terms {
-            [a] => Op::Sum1 { o, a: a.slot, ca: a.c },
-            [a, b] => Op::Sum2 { o, a: a.slot, b: b.slot, ca: a.c, cb: b.c },
-            [a, b, d] => {
-                Op::Sum3 { o, a: a.slot, b: b.slot, d: d.slot, ca: a.c, cb: b.c, cd: d.c }
-            }
+            [a] => Op::Sum1 {
+                o,
+                a: a.slot,
+                ca: a.c,
+            },
+            [a, b] => Op::Sum2 {
+                o,
+                a: a.slot,
+                b: b.slot,
+                ca: a.c,
+                cb: b.c,
+            },
+            [a, b, d] => Op::Sum3 {
+                o,
+                a: a.slot,
+                b: b.slot,
+                d: d.slot,
+                ca: a.c,
+                cb: b.c,
+                cd: d.c,
+            },
             _ => {
                 let (start, len) = self.store_terms(terms);
                 Op::SumN { o, start, len }
@@ -221,7 +240,8 @@ impl Lowering {
     }
 
     fn exactly<const N: usize>(&self, inputs: &[Input]) -> Result<[Term; N], RunFault> {
-        <[Term; N]>::try_from(self.terms(inputs)).map_err(|_| self.malformed("wrong number of inputs"))
+        <[Term; N]>::try_from(self.terms(inputs))
+            .map_err(|_| self.malformed("wrong number of inputs"))
     }
 
     /// Adds an element and its decision; `reads` are the nets of its witness.
@@ -249,11 +269,20 @@ impl Lowering {
     }
 
     /// `o = curve(u)`.
-    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> (u32, Curve) {
+    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> Curve {
         let (e, curve) = self.curve(u, corners, pieces);
         let varying = self.vary(&[u.slot]);
-        self.push(Op::Curve { o, e, a: u.slot, c: u.c }, &[o], varying);
-        (e, curve)
+        self.push(
+            Op::Curve {
+                o,
+                e,
+                a: u.slot,
+                c: u.c,
+            },
+            &[o],
+            varying,
+        );
+        curve
     }
 
     fn overload(&mut self, o: Slot, max: Option<f64>) {

@@ -24,7 +24,6 @@ pub(crate) enum Fatal {
 /// What choosing a region did.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Choice {
-    pub changed: bool,
     pub moved: bool,
     pub overloaded: bool,
 }
@@ -33,28 +32,61 @@ pub(crate) struct Choice {
 pub(crate) enum Piecewise {
     Curve(Curve),
     /// Dead zone whose half width is a net.
-    DeadZone { u: Term, width: Slot },
+    DeadZone {
+        u: Term,
+        width: Slot,
+    },
     /// Limiter whose levels are nets. Where they have crossed, the upper one holds.
-    Limiter { u: Term, low: Slot, high: Slot },
+    Limiter {
+        u: Term,
+        low: Slot,
+        high: Slot,
+    },
     /// The term, of `len` from `start`, that is greatest after multiplication by `sign`.
-    Extremum { start: u32, len: u32, sign: f64 },
-    Comparator { u: Term, on_above: f64, off_at: f64 },
-    Relay { u: Term, points: [f64; 2], outputs: [f64; 2], initially_on: bool },
+    Extremum {
+        start: u32,
+        len: u32,
+        sign: f64,
+    },
+    Comparator {
+        u: Term,
+        on_above: f64,
+        off_at: f64,
+    },
+    Relay {
+        u: Term,
+        points: [f64; 2],
+        outputs: [f64; 2],
+        initially_on: bool,
+    },
     Friction(Friction),
     Cell(Cell),
     /// Half plane of an arctangent.
-    Sheet { y: Term },
-    Divisor { u: Term },
-    Radicand { u: Term },
+    Sheet {
+        y: Term,
+    },
+    Divisor {
+        u: Term,
+    },
+    Radicand {
+        u: Term,
+    },
     /// Latches once `|net|` exceeds the level.
-    Overload { net: Slot, level: f64 },
+    Overload {
+        net: Slot,
+        level: f64,
+    },
     Stops(Stops),
 }
 
 /// Makes a closed surface (reached at equality) count as crossed at equality.
 #[inline(always)]
 fn closed(margin: f64) -> f64 {
-    if margin == 0.0 { f64::MIN_POSITIVE } else { margin }
+    if margin == 0.0 {
+        f64::MIN_POSITIVE
+    } else {
+        margin
+    }
 }
 
 impl Piecewise {
@@ -92,7 +124,11 @@ impl Piecewise {
                 }
                 best - mine - 4.0 * f64::EPSILON * mine.abs()
             }
-            Piecewise::Comparator { u, on_above, off_at } => {
+            Piecewise::Comparator {
+                u,
+                on_above,
+                off_at,
+            } => {
                 if region == 0 {
                     u.of(nets) - on_above
                 } else {
@@ -117,9 +153,7 @@ impl Piecewise {
                     closed(y.of(nets))
                 }
             }
-            Piecewise::Divisor { u } => {
-                closed(if region == 0 { -u.of(nets) } else { u.of(nets) })
-            }
+            Piecewise::Divisor { u } => closed(if region == 0 { -u.of(nets) } else { u.of(nets) }),
             Piecewise::Radicand { u } => -u.of(nets),
             Piecewise::Overload { net, level } => {
                 if region == 0 {
@@ -171,7 +205,7 @@ impl Piecewise {
         }
         let new = self.region(known, m, nets)?;
         f.region[e] = new;
-        let mut choice = Choice { changed: new != old, ..Choice::default() };
+        let mut choice = Choice::default();
         match self {
             Piecewise::Curve(curve) => curve.install(new, f, e),
             Piecewise::Comparator { .. } => f.piece[e] = Piece::flat(f64::from(new)),
@@ -228,7 +262,11 @@ impl Piecewise {
                 }
                 best as u32
             }
-            Piecewise::Comparator { u, on_above, off_at } => {
+            Piecewise::Comparator {
+                u,
+                on_above,
+                off_at,
+            } => {
                 let u = u.of(nets);
                 let above = match known {
                     Some(0) => u > *on_above,
@@ -237,7 +275,12 @@ impl Piecewise {
                 };
                 u32::from(above)
             }
-            Piecewise::Relay { u, points, initially_on, .. } => {
+            Piecewise::Relay {
+                u,
+                points,
+                initially_on,
+                ..
+            } => {
                 let u = u.of(nets);
                 let on = known.map_or(*initially_on, |r| r == 1);
                 u32::from(if on { u >= points[0] } else { u > points[1] })

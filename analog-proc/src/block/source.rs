@@ -10,18 +10,42 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// A ramp or a sine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Waveform {
-    Ramp { offset: f64, slope: f64, start_s: f64 },
-    Sine { offset: f64, amplitude: f64, frequency_hz: f64, phase_rad: f64, start_s: f64 },
+    Ramp {
+        offset: f64,
+        slope: f64,
+        start_s: f64,
+    },
+    Sine {
+        offset: f64,
+        amplitude: f64,
+        frequency_hz: f64,
+        phase_rad: f64,
+        start_s: f64,
+    },
 }
 
 impl Waveform {
     #[inline]
     pub fn at(&self, t_s: f64, started: bool) -> f64 {
         match *self {
-            Waveform::Ramp { offset, slope, start_s } => {
-                if started { offset + slope * (t_s - start_s) } else { offset }
+            Waveform::Ramp {
+                offset,
+                slope,
+                start_s,
+            } => {
+                if started {
+                    offset + slope * (t_s - start_s)
+                } else {
+                    offset
+                }
             }
-            Waveform::Sine { offset, amplitude, frequency_hz, phase_rad, start_s } => {
+            Waveform::Sine {
+                offset,
+                amplitude,
+                frequency_hz,
+                phase_rad,
+                start_s,
+            } => {
                 if started {
                     let turns = frequency_hz * (t_s - start_s);
                     offset + amplitude * (std::f64::consts::TAU * turns + phase_rad).sin()
@@ -36,10 +60,24 @@ impl Waveform {
 /// Something that happens at instants known beforehand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Timer {
-    Step { high: f64, start_s: f64 },
-    Square { low: f64, high: f64, frequency_hz: f64, start_s: f64 },
-    Start { wave: u32, start_s: f64 },
-    Noise { noise: u32, every_s: f64 },
+    Step {
+        high: f64,
+        start_s: f64,
+    },
+    Square {
+        low: f64,
+        high: f64,
+        frequency_hz: f64,
+        start_s: f64,
+    },
+    Start {
+        wave: u32,
+        start_s: f64,
+    },
+    Noise {
+        noise: u32,
+        every_s: f64,
+    },
     /// Set by its one-shot.
     OneShotEnd,
 }
@@ -52,13 +90,35 @@ pub(crate) enum Firing {
 }
 
 impl Timer {
+    /// The last firing due by t = 0, for what starts before it; else the first.
+    pub fn first(&self) -> u64 {
+        match *self {
+            Timer::Square {
+                frequency_hz,
+                start_s,
+                ..
+            } if start_s < 0.0 && frequency_hz > 0.0 => {
+                (-start_s * 2.0 * frequency_hz).floor() as u64
+            }
+            _ => 0,
+        }
+    }
+
     /// The instant of the `n`-th firing, s.
     pub fn instant_s(&self, n: u64) -> f64 {
         match *self {
             Timer::Step { start_s, .. } | Timer::Start { start_s, .. } => {
-                if n == 0 { start_s } else { f64::INFINITY }
+                if n == 0 {
+                    start_s
+                } else {
+                    f64::INFINITY
+                }
             }
-            Timer::Square { frequency_hz, start_s, .. } => {
+            Timer::Square {
+                frequency_hz,
+                start_s,
+                ..
+            } => {
                 if n > 0 && frequency_hz <= 0.0 {
                     f64::INFINITY
                 } else if n == 0 {
@@ -98,7 +158,10 @@ pub(crate) struct Noise {
 
 impl Noise {
     pub fn new(sigma: f64, seed: u64) -> Noise {
-        Noise { sigma, generator: Xoshiro256PlusPlus::seed_from_u64(seed) }
+        Noise {
+            sigma,
+            generator: Xoshiro256PlusPlus::seed_from_u64(seed),
+        }
     }
 
     pub fn next(&mut self) -> f64 {

@@ -1,7 +1,7 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
 use super::{CHECK_FAILED, Failure, PatchArgs};
-use crate::{net::Kind, order::Ordered, patch, simulation::Simulation};
+use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
 use interface::{control::StaticCheckLine, profile::Profile};
 
 /// Check a patch.
@@ -31,7 +31,10 @@ impl PatchArgs {
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;
-        Ok(Compiled { hash: patch::hash(&bundle), ordered })
+        Ok(Compiled {
+            hash: patch::hash(&bundle),
+            ordered,
+        })
     }
 }
 
@@ -39,9 +42,10 @@ impl Check {
     pub fn execute(self) -> Result<(), Failure> {
         let Compiled { ordered, hash } = self.patch.compile()?;
         let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
-        let lines = simulation.static_check(&ordered.netlist.expected);
+        let lines = static_check(&ordered, &mut simulation).map_err(Failure::input)?;
         let disagree = lines.iter().filter(|l| !l.agrees).count();
-        let count = |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
+        let count =
+            |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
         let integrators = count(|k| matches!(k, Kind::Integrator { .. } | Kind::Lag { .. }));
         let logic = count(Kind::is_logic);
         if self.patch.json {
@@ -68,7 +72,10 @@ impl Check {
         if disagree > 0 {
             return Err(Failure {
                 code: CHECK_FAILED,
-                text: format!("static check: {disagree} of {} values disagree", lines.len()),
+                text: format!(
+                    "static check: {disagree} of {} values disagree",
+                    lines.len()
+                ),
             });
         }
         Ok(())
@@ -76,7 +83,13 @@ impl Check {
 }
 
 fn describe(line: &StaticCheckLine) -> String {
-    let StaticCheckLine { block, what, expected, found, agrees } = line;
+    let StaticCheckLine {
+        block,
+        what,
+        expected,
+        found,
+        agrees,
+    } = line;
     let verdict = if *agrees { "ok" } else { "DISAGREES" };
     format!("{block} {what}: expected {expected}, found {found}: {verdict}")
 }

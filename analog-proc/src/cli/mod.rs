@@ -26,7 +26,12 @@ pub const PARTNER_FAILED: u8 = 3;
 ///     analog-proc run   patch-files/van-der-pol.toml --until 20s --every 10ms --record x,v --out vdp.csv
 ///     analog-proc draw  patch-files/van-der-pol.toml --out vdp.svg
 #[derive(Parser)]
-#[command(name = "analog-proc", version, verbatim_doc_comment, propagate_version = true)]
+#[command(
+    name = "analog-proc",
+    version,
+    verbatim_doc_comment,
+    propagate_version = true
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -61,7 +66,9 @@ struct PatchArgs {
 }
 
 fn parameter(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, for example mu=5")?;
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("write NAME=VALUE, for example mu=5")?;
     match value.trim().parse::<f64>() {
         Ok(v) if v.is_finite() => Ok((name.trim().to_owned(), v)),
         _ => Err(format!("`{value}` is not a finite number")),
@@ -76,7 +83,10 @@ struct Failure {
 
 impl Failure {
     fn input(error: impl std::fmt::Display) -> Failure {
-        Failure { code: BAD_INPUT, text: error.to_string() }
+        Failure {
+            code: BAD_INPUT,
+            text: error.to_string(),
+        }
     }
 }
 
@@ -93,7 +103,9 @@ pub fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{}", failure.text.trim_end());
+            if !failure.text.is_empty() {
+                eprintln!("{}", failure.text.trim_end());
+            }
             ExitCode::from(failure.code)
         }
     }

@@ -3,8 +3,8 @@
 use super::{Failure, PatchArgs, check::Compiled};
 use crate::{
     net::NetId,
-    record::{Recorder, RecordFault},
-    simulation::{Advance, Simulation},
+    record::{RecordFault, Recorder},
+    simulation::Simulation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use interface::Tick;
@@ -35,7 +35,9 @@ pub struct Run {
 impl Run {
     pub fn execute(self) -> Result<(), Failure> {
         if self.until < Tick::ZERO || self.every <= Tick::ZERO {
-            return Err(Failure::input("--until must not be negative and --every must be positive"));
+            return Err(Failure::input(
+                "--until must not be negative and --every must be positive",
+            ));
         }
         let Compiled { ordered, .. } = self.patch.compile()?;
         let names = self.recorded(&ordered)?;
@@ -46,7 +48,8 @@ impl Run {
             Recorder::create(&self.out, names.iter().map(|(n, _)| n.as_str())).map_err(write)?;
         let progress = Progress::new(self.until);
         let mut failed = None;
-        // Slices only pace the progress bar; they are ends of steps like any other stop.
+        let first: Vec<f64> = nets.iter().map(|n| simulation.net(*n)).collect();
+        recorder.row(0.0, &first).map_err(write)?;
         let end = simulation.advance_recording(self.until, self.every, &nets, |time_s, values| {
             if failed.is_none() {
                 failed = recorder.row(time_s, values).err();
@@ -63,7 +66,7 @@ impl Run {
             .iter()
             .map(|o| {
                 let name = &ordered.netlist.blocks[o.block.index()].name;
-                format!("overload: {name} at {} s ({})", o.time_s, o.value)
+                format!("overload: {name} at {} s ({})", o.t_s, o.value)
             })
             .collect();
         for line in &overloads {
@@ -72,8 +75,11 @@ impl Run {
         let advance = end.map_err(|f| {
             Failure::input(format!("{f}\nrecorded up to there: {}", self.out.display()))
         })?;
-        if let Advance::HeldAt(at) | Advance::StoppedAt(at) = advance {
-            eprintln!("the run ended at {at} by its overload policy");
+        if advance.stopped_by.is_some() {
+            eprintln!(
+                "the run ended at {} by its overload policy",
+                advance.reached
+            );
         }
         let s = simulation.statistics();
         let to_file = self.out.as_os_str() != "-";
@@ -85,7 +91,11 @@ impl Run {
         } else if to_file {
             println!(
                 "{}: {} steps ({} rejected), {} events; recorded to {}",
-                self.until, s.steps, s.rejected, s.events, self.out.display()
+                self.until,
+                s.steps,
+                s.rejected,
+                s.events,
+                self.out.display()
             );
         }
         Ok(())
@@ -95,7 +105,12 @@ impl Run {
     fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
         let netlist = &ordered.netlist;
         if self.record.is_empty() {
-            let blocks = netlist.blocks.iter().filter(|b| matches!(b.kind, crate::net::Kind::Integrator { .. } | crate::net::Kind::Lag { .. }));
+            let blocks = netlist.blocks.iter().filter(|b| {
+                matches!(
+                    b.kind,
+                    crate::net::Kind::Integrator { .. } | crate::net::Kind::Lag { .. }
+                )
+            });
             return Ok(blocks.map(|b| (b.name.clone(), b.outputs[0])).collect());
         }
         let find = |name: &String| {
@@ -127,7 +142,11 @@ struct Progress {
 
 impl Progress {
     fn new(until: Tick) -> Progress {
-        Progress { bar: std::cell::OnceCell::new(), started: Instant::now(), until_s: until.secs() }
+        Progress {
+            bar: std::cell::OnceCell::new(),
+            started: Instant::now(),
+            until_s: until.secs(),
+        }
     }
 
     fn at(&self, time_s: f64) {
@@ -136,7 +155,9 @@ impl Progress {
         }
         let bar = self.bar.get_or_init(|| {
             let bar = ProgressBar::new(1000);
-            if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}% of problem time, {eta} left") {
+            if let Ok(style) =
+                ProgressStyle::with_template("{bar:40} {percent}% of problem time, {eta} left")
+            {
                 bar.set_style(style);
             }
             bar

@@ -55,7 +55,13 @@ pub(crate) struct DormandPrince {
 impl DormandPrince {
     pub fn new(states: usize) -> DormandPrince {
         let zeros = || vec![0.0; states];
-        DormandPrince { k2: zeros(), k3: zeros(), k4: zeros(), k5: zeros(), k6: zeros() }
+        DormandPrince {
+            k2: zeros(),
+            k3: zeros(),
+            k4: zeros(),
+            k5: zeros(),
+            k6: zeros(),
+        }
     }
 
     pub fn attempt(&mut self, system: System, step: &mut Step, nets: &mut [f64]) -> f64 {

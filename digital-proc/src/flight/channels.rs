@@ -17,6 +17,9 @@ macro_rules! channel_set {
         pub struct $set { $(#[doc = concat!("Channel `", stringify!($field), "`.")] pub $field: usize),* }
 
         impl $set {
+            /// How many channels these are.
+            pub const COUNT: u32 = [$(stringify!($field)),*].len() as u32;
+
             fn resolve(console: &Console<'_>) -> Result<$set, ConsoleFault> {
                 Ok($set { $($field: console.channel($kind, stringify!($field))?),* })
             }
