@@ -40,7 +40,9 @@ pub enum ConsoleFault {
         nearest: Option<String>,
     },
     /// An answer that does not fit the request.
-    #[error("the analog side answered {request} with something else; both sides must be of one build")]
+    #[error(
+        "the analog side answered {request} with something else; both sides must be of one build"
+    )]
     WrongReply {
         /// The request.
         request: &'static str,
@@ -67,7 +69,11 @@ impl<'p> Console<'p> {
     /// Over a port whose two ends have greeted each other.
     #[must_use]
     pub fn new(port: &'p mut dyn DigitalPort) -> Console<'p> {
-        Console { port, channels: Vec::new(), patch_hash: String::new() }
+        Console {
+            port,
+            channels: Vec::new(),
+            patch_hash: String::new(),
+        }
     }
 
     /// Uploads a patch; the machine goes to IC.
@@ -80,13 +86,25 @@ impl<'p> Console<'p> {
         params: Vec<(String, f64)>,
         profile: Profile,
     ) -> Result<(), ConsoleFault> {
-        match request(self.port, &Request::Load { bundle, params, profile })? {
-            Reply::Loaded { patch_hash, channels } => {
+        match request(
+            self.port,
+            &Request::Load {
+                bundle,
+                params,
+                profile,
+            },
+        )? {
+            Reply::Loaded {
+                patch_hash,
+                channels,
+            } => {
                 self.patch_hash = patch_hash;
                 self.channels = channels;
                 Ok(())
             }
-            _ => Err(ConsoleFault::WrongReply { request: "the patch" }),
+            _ => Err(ConsoleFault::WrongReply {
+                request: "the patch",
+            }),
         }
     }
 
@@ -108,21 +126,28 @@ impl<'p> Console<'p> {
     /// [`ConsoleFault::NoChannel`] with the nearest name.
     pub fn channel(&self, kind: ChannelKind, name: &str) -> Result<usize, ConsoleFault> {
         let of_kind = || self.channels.iter().filter(move |c| c.kind == kind);
-        of_kind().find(|c| c.name == name).map(|c| c.number as usize).ok_or_else(|| {
-            let nearest = of_kind()
-                .map(|c| (strsim::damerau_levenshtein(&c.name, name), &c.name))
-                .min()
-                .map(|(_, n)| n.clone());
-            let kind = match kind {
-                ChannelKind::Adc => "ADC",
-                ChannelKind::Dac => "DAC",
-                ChannelKind::Dcu => "DCU",
-                ChannelKind::Sense => "sense line",
-                ChannelKind::Control => "control line",
-                ChannelKind::Interrupt => "interrupt line",
-            };
-            ConsoleFault::NoChannel { kind, name: name.to_owned(), nearest }
-        })
+        of_kind()
+            .find(|c| c.name == name)
+            .map(|c| c.number as usize)
+            .ok_or_else(|| {
+                let nearest = of_kind()
+                    .map(|c| (strsim::damerau_levenshtein(&c.name, name), &c.name))
+                    .min()
+                    .map(|(_, n)| n.clone());
+                let kind = match kind {
+                    ChannelKind::Adc => "ADC",
+                    ChannelKind::Dac => "DAC",
+                    ChannelKind::Dcu => "DCU",
+                    ChannelKind::Sense => "sense line",
+                    ChannelKind::Control => "control line",
+                    ChannelKind::Interrupt => "interrupt line",
+                };
+                ConsoleFault::NoChannel {
+                    kind,
+                    name: name.to_owned(),
+                    nearest,
+                }
+            })
     }
 
     /// Pot-set: values for `[params]` entries; the machine goes to IC.
@@ -156,7 +181,9 @@ impl<'p> Console<'p> {
     pub fn read(&mut self, nets: Vec<String>) -> Result<Vec<f64>, ConsoleFault> {
         match request(self.port, &Request::Read(nets))? {
             Reply::Values(values) => Ok(values),
-            _ => Err(ConsoleFault::WrongReply { request: "a read-back" }),
+            _ => Err(ConsoleFault::WrongReply {
+                request: "a read-back",
+            }),
         }
     }
 
@@ -167,7 +194,9 @@ impl<'p> Console<'p> {
     pub fn diagnose(&mut self) -> Result<Diagnosis, ConsoleFault> {
         match request(self.port, &Request::Diagnose)? {
             Reply::Diagnosis { fault, overloads } => Ok(Diagnosis { fault, overloads }),
-            _ => Err(ConsoleFault::WrongReply { request: "a diagnosis" }),
+            _ => Err(ConsoleFault::WrongReply {
+                request: "a diagnosis",
+            }),
         }
     }
 
@@ -193,12 +222,21 @@ impl<'p> Console<'p> {
                     return Ok(samples);
                 }
                 RunState::Faulted => {
-                    let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
-                    return Err(ConsoleFault::RunFault { time: samples.tick, fault }.into());
+                    let fault = self
+                        .diagnose()?
+                        .fault
+                        .unwrap_or_else(|| "no reason given".into());
+                    return Err(ConsoleFault::RunFault {
+                        time: samples.tick,
+                        fault,
+                    }
+                    .into());
                 }
                 RunState::Operate | RunState::Hold => {
                     law(&samples, &mut updates)?;
-                    self.port.send_updates(&updates).map_err(ConsoleFault::from)?;
+                    self.port
+                        .send_updates(&updates)
+                        .map_err(ConsoleFault::from)?;
                 }
             }
         }

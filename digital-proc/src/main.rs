@@ -13,6 +13,8 @@ fn main() -> ExitCode {
     if is_analog {
         analog_proc::cli::main()
     } else {
-        digital_proc::cli::main(digital_proc::launch::AnalogEntry { serve: analog_proc::serve::serve })
+        digital_proc::cli::main(digital_proc::launch::AnalogEntry {
+            serve: analog_proc::serve::serve,
+        })
     }
 }

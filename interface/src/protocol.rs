@@ -13,15 +13,17 @@
 //!                    Operating: samples 0, updates 0, samples 1, … samples n (Ended | Faulted) -> Idle
 //! ```
 
+mod error;
+mod greeting;
+
+pub use error::ProtocolError;
+pub use greeting::{VERSION, check_hello, hello, hello_reply, layout_hash};
+
 use crate::{
     control::{Clock, Reply, Request},
-    frame::{self, Edge, RunState, Samples, Updates},
-    link::LinkFault,
+    frame::RunState,
 };
-use std::mem::{align_of, offset_of, size_of};
-
-/// Version of the protocol; raised whenever a message changes its meaning.
-pub const VERSION: u32 = 1;
+use error::{reply_name, request_name};
 
 /// One end of the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -49,164 +51,6 @@ impl Side {
             Side::Analog => Side::Digital,
             Side::Digital => Side::Analog,
         }
-    }
-}
-
-/// What was out of order.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ProtocolError {
-    /// The two processes speak different protocols.
-    #[error("protocol version {theirs} met version {ours}; run both processes from the same build")]
-    Version {
-        /// This side's version.
-        ours: u32,
-        /// The partner's version.
-        theirs: u32,
-    },
-    /// The two processes lay their frames out differently.
-    #[error(
-        "frame layout {theirs:016x} met layout {ours:016x}; run both processes from the same build"
-    )]
-    Layout {
-        /// This side's layout hash.
-        ours: u64,
-        /// The partner's layout hash.
-        theirs: u64,
-    },
-    /// The analog side loaded another patch than the one that was sent.
-    #[error("the patch arrived altered: hash {sent} was sent, {loaded} was loaded")]
-    PatchHash {
-        /// Hash of the bundle in the request.
-        sent: String,
-        /// Hash in the reply.
-        loaded: String,
-    },
-    /// A message came at a moment when it has no place.
-    #[error("{message} has no place while {phase}")]
-    OutOfOrder {
-        /// What came.
-        message: &'static str,
-        /// What the session was doing.
-        phase: &'static str,
-    },
-    /// A frame came with another number than the next one.
-    #[error("{message} {found} came where {expected} was due")]
-    FrameNumber {
-        /// `samples` or `updates`.
-        message: &'static str,
-        /// Number due.
-        expected: u64,
-        /// Number found.
-        found: u64,
-    },
-    /// The reply does not belong to the request.
-    #[error("the request {request} was answered by {reply}")]
-    ReplyKind {
-        /// The request.
-        request: &'static str,
-        /// The reply.
-        reply: &'static str,
-    },
-}
-
-impl ProtocolError {
-    /// As a link fault at the given frame.
-    #[must_use]
-    pub fn at(self, frame: u64) -> LinkFault {
-        LinkFault::Protocol {
-            frame,
-            detail: self.to_string(),
-        }
-    }
-}
-
-/// Hash of everything on which the meaning of a frame's bytes depends: sizes,
-/// alignments, offsets and channel counts. Equal layouts have equal hashes on
-/// every build; the handshake refuses unequal ones.
-#[must_use]
-pub fn layout_hash() -> u64 {
-    let numbers = [
-        size_of::<Samples>(),
-        align_of::<Samples>(),
-        offset_of!(Samples, frame),
-        offset_of!(Samples, tick),
-        offset_of!(Samples, adc),
-        offset_of!(Samples, adc_saturated),
-        offset_of!(Samples, sense),
-        offset_of!(Samples, overloads),
-        offset_of!(Samples, state),
-        offset_of!(Samples, edge_count),
-        offset_of!(Samples, edges_lost),
-        offset_of!(Samples, edges),
-        size_of::<Edge>(),
-        offset_of!(Edge, tick),
-        offset_of!(Edge, line),
-        offset_of!(Edge, rising),
-        size_of::<Updates>(),
-        align_of::<Updates>(),
-        offset_of!(Updates, frame),
-        offset_of!(Updates, effective),
-        offset_of!(Updates, dac_mask),
-        offset_of!(Updates, dcu_mask),
-        offset_of!(Updates, control_mask),
-        offset_of!(Updates, control),
-        offset_of!(Updates, mode),
-        offset_of!(Updates, reserved),
-        offset_of!(Updates, dac),
-        offset_of!(Updates, dcu),
-        frame::ADC_CHANNELS,
-        frame::DAC_CHANNELS,
-        frame::DCU_CHANNELS,
-        frame::SENSE_LINES,
-        frame::CONTROL_LINES,
-        frame::INTERRUPT_LINES,
-        frame::EDGES_PER_FRAME,
-    ];
-    // FNV-1a, 64 bits: stable across builds, which `std::hash` does not promise.
-    numbers
-        .iter()
-        .flat_map(|n| (*n as u64).to_le_bytes())
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
-}
-
-/// The greeting of this build.
-#[must_use]
-pub fn hello() -> Request {
-    Request::Hello {
-        version: VERSION,
-        layout_hash: layout_hash(),
-    }
-}
-
-/// This build's answer to [`hello`].
-#[must_use]
-pub fn hello_reply() -> Reply {
-    Reply::Hello {
-        version: VERSION,
-        layout_hash: layout_hash(),
-    }
-}
-
-/// Compares the partner's greeting with this build's.
-///
-/// # Errors
-/// [`ProtocolError::Version`] or [`ProtocolError::Layout`].
-pub fn check_hello(version: u32, layout: u64) -> Result<(), ProtocolError> {
-    let ours = layout_hash();
-    if version != VERSION {
-        Err(ProtocolError::Version {
-            ours: VERSION,
-            theirs: version,
-        })
-    } else if layout != ours {
-        Err(ProtocolError::Layout {
-            ours,
-            theirs: layout,
-        })
-    } else {
-        Ok(())
     }
 }
 
@@ -512,33 +356,6 @@ impl Pending {
             Pending::Diagnose => "Diagnose",
             Pending::Bye => "Bye",
         }
-    }
-}
-
-fn request_name(request: &Request) -> &'static str {
-    match request {
-        Request::Hello { .. } => "request Hello",
-        Request::Load { .. } => "request Load",
-        Request::SetParams(_) => "request SetParams",
-        Request::SetIcs(_) => "request SetIcs",
-        Request::Preset(_) => "request Preset",
-        Request::Read(_) => "request Read",
-        Request::StaticCheck => "request StaticCheck",
-        Request::Operate(_) => "request Operate",
-        Request::Diagnose => "request Diagnose",
-        Request::Bye => "request Bye",
-    }
-}
-
-fn reply_name(reply: &Reply) -> &'static str {
-    match reply {
-        Reply::Hello { .. } => "reply Hello",
-        Reply::Loaded { .. } => "reply Loaded",
-        Reply::Done => "reply Done",
-        Reply::Values(_) => "reply Values",
-        Reply::StaticCheck(_) => "reply StaticCheck",
-        Reply::Diagnosis { .. } => "reply Diagnosis",
-        Reply::Refused(_) => "reply Refused",
     }
 }
 

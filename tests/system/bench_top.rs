@@ -20,7 +20,9 @@ pub const ANALOG: &str = env!("CARGO_BIN_EXE_analog-proc");
 
 impl BenchTop {
     pub fn new() -> BenchTop {
-        BenchTop { dir: tempfile::tempdir().unwrap() }
+        BenchTop {
+            dir: tempfile::tempdir().unwrap(),
+        }
     }
 
     /// Where sessions of this test live.
@@ -54,16 +56,20 @@ impl BenchTop {
 
     /// Run directories in the order of their names.
     pub fn run_directories(&self) -> Vec<PathBuf> {
-        let mut found: Vec<PathBuf> =
-            std::fs::read_dir(self.runs()).map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
+        let mut found: Vec<PathBuf> = std::fs::read_dir(self.runs()).map_or_else(
+            |_| Vec::new(),
+            |dir| dir.map(|e| e.unwrap().path()).collect(),
+        );
         found.sort();
         found
     }
 
     /// Fails when a session directory or shared memory of this base is left.
     pub fn assert_clean(&self) {
-        let left: Vec<PathBuf> = std::fs::read_dir(self.base())
-            .map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
+        let left: Vec<PathBuf> = std::fs::read_dir(self.base()).map_or_else(
+            |_| Vec::new(),
+            |dir| dir.map(|e| e.unwrap().path()).collect(),
+        );
         assert!(left.is_empty(), "left in the base directory: {left:?}");
     }
 }
@@ -88,7 +94,10 @@ pub fn wait_within(mut child: Child, limit: Duration) -> (Output, Duration) {
         if started.elapsed() > limit {
             child.kill().unwrap();
             let output = child.wait_with_output().unwrap();
-            panic!("still running after {limit:?}: {}", String::from_utf8_lossy(&output.stderr));
+            panic!(
+                "still running after {limit:?}: {}",
+                String::from_utf8_lossy(&output.stderr)
+            );
         }
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -98,8 +107,11 @@ pub fn wait_within(mut child: Child, limit: Duration) -> (Output, Duration) {
 
 /// Pids of live children of `pid` (zombies excluded).
 pub fn children(pid: u32) -> Vec<u32> {
-    let text = std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).unwrap_or_default();
-    text.split_whitespace().map(|p| p.parse().unwrap()).collect()
+    let text =
+        std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).unwrap_or_default();
+    text.split_whitespace()
+        .map(|p| p.parse().unwrap())
+        .collect()
 }
 
 /// The first word of a process' command line.
@@ -110,8 +122,14 @@ pub fn argv0(pid: u32) -> String {
 
 /// Whether a process runs (a zombie does not).
 pub fn runs(pid: u32) -> bool {
-    std::fs::read_to_string(format!("/proc/{pid}/stat"))
-        .is_ok_and(|stat| !stat.rsplit(')').next().unwrap_or_default().trim_start().starts_with('Z'))
+    std::fs::read_to_string(format!("/proc/{pid}/stat")).is_ok_and(|stat| {
+        !stat
+            .rsplit(')')
+            .next()
+            .unwrap_or_default()
+            .trim_start()
+            .starts_with('Z')
+    })
 }
 
 /// Polls until `ready` or the limit; fails the test at the limit.
@@ -121,7 +139,10 @@ pub fn until<T>(what: &str, limit: Duration, mut ready: impl FnMut() -> Option<T
         if let Some(found) = ready() {
             return found;
         }
-        assert!(started.elapsed() < limit, "{what} did not come within {limit:?}");
+        assert!(
+            started.elapsed() < limit,
+            "{what} did not come within {limit:?}"
+        );
         std::thread::sleep(Duration::from_micros(300));
     }
 }
@@ -129,7 +150,9 @@ pub fn until<T>(what: &str, limit: Duration, mut ready: impl FnMut() -> Option<T
 /// The partner that a digital-proc has started.
 pub fn partner_of(child: &Child) -> u32 {
     until("the analog side", Duration::from_secs(5), || {
-        children(child.id()).into_iter().find(|p| argv0(*p) == "analog-proc")
+        children(child.id())
+            .into_iter()
+            .find(|p| argv0(*p) == "analog-proc")
     })
 }
 
@@ -138,7 +161,9 @@ pub fn trace_rows(directory: &Path) -> usize {
     digital_proc::run_dir::RunDirectory::open(directory)
         .map(|d| d.read_trace().unwrap().rows())
         .unwrap_or_else(|_| {
-            digital_proc::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
+            digital_proc::run_dir::Trace::read(&directory.join("trace.arrow"))
+                .unwrap()
+                .rows()
         })
 }
 

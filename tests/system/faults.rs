@@ -1,8 +1,6 @@
 //! Death of either side, at any moment.
 
-use crate::bench_top::{
-    BenchTop, partner_of, runs, signal, trace_rows, until, wait_within,
-};
+use crate::bench_top::{BenchTop, partner_of, runs, signal, trace_rows, until, wait_within};
 use rustix::process::Signal;
 use std::time::Duration;
 
@@ -22,7 +20,10 @@ fn a_killed_analog_side_is_named_and_the_trace_is_kept() {
         let (output, took) = wait_within(child, Duration::from_secs(10));
         let text = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(3), "{text}");
-        assert!(text.contains("analog-proc") && text.contains("frame"), "{text}");
+        assert!(
+            text.contains("analog-proc") && text.contains("frame"),
+            "{text}"
+        );
         assert!(took < NOTICE, "noticed only after {took:?}");
         if let Some(directory) = bench.run_directories().first() {
             // Readable up to its last complete batch, however many that are.
@@ -41,7 +42,9 @@ fn a_killed_digital_side_ends_the_analog_one() {
         std::thread::sleep(Duration::from_millis(after_ms));
         child.kill().unwrap();
         child.wait().unwrap();
-        until("the end of analog-proc", NOTICE, || (!runs(analog)).then_some(()));
+        until("the end of analog-proc", NOTICE, || {
+            (!runs(analog)).then_some(())
+        });
         if after_ms == 400 {
             assert!(trace_rows(&bench.run_directories()[0]) > 0);
         }
@@ -60,14 +63,21 @@ fn either_side_may_die_during_start_up() {
             std::thread::sleep(delay);
             signal(analog, Signal::KILL);
             let (output, took) = wait_within(child, Duration::from_secs(10));
-            assert_eq!(output.status.code(), Some(3), "{}", String::from_utf8_lossy(&output.stderr));
+            assert_eq!(
+                output.status.code(),
+                Some(3),
+                "{}",
+                String::from_utf8_lossy(&output.stderr)
+            );
             assert!(took < NOTICE, "noticed only after {took:?}");
         } else {
             let analog = partner_of(&child);
             std::thread::sleep(delay);
             child.kill().unwrap();
             child.wait().unwrap();
-            until("the end of analog-proc", NOTICE, || (!runs(analog)).then_some(()));
+            until("the end of analog-proc", NOTICE, || {
+                (!runs(analog)).then_some(())
+            });
         }
         // What both may have left, the next session of this base removes.
         digital_proc_sweeps(&bench);
@@ -78,7 +88,11 @@ fn either_side_may_die_during_start_up() {
 /// A following session removes what dead ones left.
 fn digital_proc_sweeps(bench: &BenchTop) {
     let output = bench.fly(&["--until", "100ms"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }
 
 #[test]

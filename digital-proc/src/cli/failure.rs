@@ -24,7 +24,10 @@ pub struct Failure {
 impl Failure {
     /// Bad input or usage.
     pub fn input(error: impl std::fmt::Display) -> Failure {
-        Failure { code: BAD_INPUT, text: error.to_string() }
+        Failure {
+            code: BAD_INPUT,
+            text: error.to_string(),
+        }
     }
 
     /// The same failure with a further line.
@@ -41,7 +44,10 @@ impl From<LinkFault> for Failure {
             LinkFault::Interrupted { .. } => INTERRUPTED,
             _ => PARTNER_FAILED,
         };
-        Failure { code, text: fault.to_string() }
+        Failure {
+            code,
+            text: fault.to_string(),
+        }
     }
 }
 
@@ -49,7 +55,10 @@ impl From<ConsoleFault> for Failure {
     fn from(fault: ConsoleFault) -> Failure {
         match fault {
             ConsoleFault::Link(fault) => fault.into(),
-            ConsoleFault::WrongReply { .. } => Failure { code: PARTNER_FAILED, text: fault.to_string() },
+            ConsoleFault::WrongReply { .. } => Failure {
+                code: PARTNER_FAILED,
+                text: fault.to_string(),
+            },
             other => Failure::input(other),
         }
     }
@@ -59,7 +68,10 @@ impl From<LaunchFault> for Failure {
     fn from(fault: LaunchFault) -> Failure {
         match fault {
             LaunchFault::Link(fault) => fault.into(),
-            LaunchFault::Spawn(_) => Failure { code: PARTNER_FAILED, text: fault.to_string() },
+            LaunchFault::Spawn(_) => Failure {
+                code: PARTNER_FAILED,
+                text: fault.to_string(),
+            },
             LaunchFault::Session(fault) => Failure::input(fault),
         }
     }

@@ -9,7 +9,10 @@ use crate::{
     flight_summary::FlightSummary,
     progress::Progress,
     reference::FlightCase,
-    report::{Summary, flight::{FlightContext, flight_report}},
+    report::{
+        Summary,
+        flight::{FlightContext, flight_report},
+    },
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
     vehicle::Vehicle,
     wind::{Wind, WindDirection},
@@ -47,10 +50,20 @@ pub struct Fly {
     #[arg(long, value_enum, default_value = "none")]
     wind: WindName,
     /// Thrust misalignment in pitch, as a fraction of 3 sigma
-    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "FRACTION",
+        allow_negative_numbers = true
+    )]
     misalign_pitch: f64,
     /// Thrust misalignment in yaw, as a fraction of 3 sigma
-    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "FRACTION",
+        allow_negative_numbers = true
+    )]
     misalign_yaw: f64,
     /// Wind and misalignments of the vehicle's design case for failure modes
     #[arg(long, conflicts_with_all = ["wind", "misalign_pitch", "misalign_yaw"])]
@@ -92,7 +105,9 @@ enum AlphaName {
 fn flight_mode(text: &str) -> Result<FlightMode, String> {
     FlightMode::from_name(text).ok_or_else(|| {
         let names = FlightMode::ALL.map(FlightMode::name);
-        let nearest = names.iter().min_by_key(|n| strsim::damerau_levenshtein(n, text));
+        let nearest = names
+            .iter()
+            .min_by_key(|n| strsim::damerau_levenshtein(n, text));
         format!(
             "no such mode; did you mean `{}`? The modes are {}",
             nearest.unwrap_or(&""),
@@ -113,10 +128,14 @@ impl Fly {
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
 
-        let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode.name()), started)
-            .map_err(Failure::input)?;
+        let directory =
+            RunDirectory::create(&self.out, &format!("fly-{}", self.mode.name()), started)
+                .map_err(Failure::input)?;
         let keep = |failure: Failure| {
-            failure.and(format!("what was recorded up to there is in {}", directory.path().display()))
+            failure.and(format!(
+                "what was recorded up to there is in {}",
+                directory.path().display()
+            ))
         };
         let mut rows = directory
             .create_trace(&trace::columns(), BATCH_ROWS)
@@ -142,7 +161,9 @@ impl Fly {
 
         let trace = directory.read_trace().map_err(Failure::input)?;
         let results = results(&vehicle, &summary);
-        directory.write_summary(&results.json()).map_err(Failure::input)?;
+        directory
+            .write_summary(&results.json())
+            .map_err(Failure::input)?;
         let context = self.report_context(&vehicle);
         let html = flight_report(&context, &results, &trace, &record).map_err(Failure::input)?;
         let report = directory.write_report(&html).map_err(Failure::input)?;
@@ -152,10 +173,16 @@ impl Fly {
             println!("{}", context.title);
             println!("{}", results.text());
             for o in &overloads {
-                println!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value);
+                println!(
+                    "overload: {} at {:.4} s ({:.4})",
+                    o.block, o.time_s, o.value
+                );
             }
             for (table, edge) in summary.edges.iter() {
-                println!("table edge: {} {edge:?}; its end value was held", table.label());
+                println!(
+                    "table edge: {} {edge:?}; its end value was held",
+                    table.label()
+                );
             }
             println!("report: {}", report.display());
         }
@@ -163,7 +190,11 @@ impl Fly {
     }
 
     fn report_context(&self, vehicle: &Vehicle) -> FlightContext {
-        let case = if self.design_case { "; wind and misalignments of the design case" } else { "" };
+        let case = if self.design_case {
+            "; wind and misalignments of the design case"
+        } else {
+            ""
+        };
         FlightContext {
             title: format!("First-stage flight, mode {}{case}", self.mode.name()),
             lead: "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.".into(),
@@ -179,8 +210,12 @@ impl Fly {
         } else {
             let wind = match self.wind {
                 WindName::None => Wind::Calm,
-                WindName::Headwind => Wind::synthetic(vehicle, WindDirection::Head).map_err(Failure::input)?,
-                WindName::Tailwind => Wind::synthetic(vehicle, WindDirection::Tail).map_err(Failure::input)?,
+                WindName::Headwind => {
+                    Wind::synthetic(vehicle, WindDirection::Head).map_err(Failure::input)?
+                }
+                WindName::Tailwind => {
+                    Wind::synthetic(vehicle, WindDirection::Tail).map_err(Failure::input)?
+                }
             };
             FlightCase {
                 mode: self.mode,
@@ -191,12 +226,16 @@ impl Fly {
             }
         };
         case.failure_start_s = self.failure_at.secs();
-        let finite = [case.pitch_misalignment, case.yaw_misalignment].iter().all(|m| m.is_finite());
+        let finite = [case.pitch_misalignment, case.yaw_misalignment]
+            .iter()
+            .all(|m| m.is_finite());
         if !finite {
-            return Err(Failure::input("--misalign-pitch and --misalign-yaw must be finite"));
+            return Err(Failure::input(
+                "--misalign-pitch and --misalign-yaw must be finite",
+            ));
         }
-        let slow = Rate::every(self.fast)
-            .ok_or_else(|| Failure::input("--fast must be at least 1"))?;
+        let slow =
+            Rate::every(self.fast).ok_or_else(|| Failure::input("--fast must be at least 1"))?;
         let burn_out = Tick::from_secs(vehicle.data().mass.burn_time_s)
             .ok_or_else(|| Failure::input("the vehicle's burn time is out of range"))?;
         let fast_frame = slow.fast_period(self.frame).filter(|t| *t > Tick::ZERO).ok_or_else(|| {
@@ -205,7 +244,9 @@ impl Fly {
                 self.frame, self.fast
             ))
         })?;
-        let latency = self.latency.unwrap_or_else(|| profile.total_latency(Sampled::COUNT).min(fast_frame));
+        let latency = self
+            .latency
+            .unwrap_or_else(|| profile.total_latency(Sampled::COUNT).min(fast_frame));
         Ok(FlightPlan {
             case,
             step: self.frame,
@@ -290,27 +331,116 @@ fn results(vehicle: &Vehicle, s: &FlightSummary) -> Summary {
         results.add(key, label, value, digits, unit, note);
     };
     let q = &s.max_dynamic_pressure;
-    let at = format!("at {:.1} s, Mach {:.2}, {:.2} km", q.time_s, q.mach, q.altitude_m / 1e3);
+    let at = format!(
+        "at {:.1} s, Mach {:.2}, {:.2} km",
+        q.time_s,
+        q.mach,
+        q.altitude_m / 1e3
+    );
     add("max_q_pa", "Maximum dynamic pressure", q.value, 5, "Pa", at);
-    add("max_q_time_s", "  its time", q.time_s, 4, "s", String::new());
-    add("max_q_mach", "  its Mach number", q.mach, 4, "", String::new());
-    add("max_q_altitude_m", "  its altitude", q.altitude_m, 5, "m", String::new());
+    add(
+        "max_q_time_s",
+        "  its time",
+        q.time_s,
+        4,
+        "s",
+        String::new(),
+    );
+    add(
+        "max_q_mach",
+        "  its Mach number",
+        q.mach,
+        4,
+        "",
+        String::new(),
+    );
+    add(
+        "max_q_altitude_m",
+        "  its altitude",
+        q.altitude_m,
+        5,
+        "m",
+        String::new(),
+    );
     let end = format!("at {:.2} s", s.end_time_s);
-    add("burn_out_velocity_m_s", "Burn-out velocity", s.end.speed_mps, 6, "m/s", end);
+    add(
+        "burn_out_velocity_m_s",
+        "Burn-out velocity",
+        s.end.speed_mps,
+        6,
+        "m/s",
+        end,
+    );
     let gamma = s.end.path_angle_rad.to_degrees();
-    add("burn_out_flight_path_angle_deg", "Burn-out flight-path angle", gamma, 5, "deg", String::new());
-    add("burn_out_altitude_m", "Burn-out altitude", s.end.altitude_m, 6, "m", String::new());
-    add("burn_out_range_m", "Burn-out range", s.range_m, 6, "m", String::new());
+    add(
+        "burn_out_flight_path_angle_deg",
+        "Burn-out flight-path angle",
+        gamma,
+        5,
+        "deg",
+        String::new(),
+    );
+    add(
+        "burn_out_altitude_m",
+        "Burn-out altitude",
+        s.end.altitude_m,
+        6,
+        "m",
+        String::new(),
+    );
+    add(
+        "burn_out_range_m",
+        "Burn-out range",
+        s.range_m,
+        6,
+        "m",
+        String::new(),
+    );
     let limit = vehicle.data().limits.q_alpha_padeg;
     let margin = format!(
         "at {:.1} s; {:.0} % of the limit {limit:.4e}",
         s.max_q_alpha.time_s,
         100.0 * s.max_q_alpha.value / limit
     );
-    add("max_q_alpha_pa_deg", "Maximum Q alpha", s.max_q_alpha.value, 5, "Pa deg", margin);
-    add("max_roll_deg", "Maximum roll", s.max_roll_rad.to_degrees(), 4, "deg", String::new());
-    add("tvc_impulse_pitch_n_s", "TVC impulse, pitch", s.tvc_pitch_impulse_ns, 5, "N s", String::new());
-    add("tvc_impulse_yaw_n_s", "TVC impulse, yaw", s.tvc_yaw_impulse_ns, 5, "N s", String::new());
-    add("injectant_kg", "Injectant used", s.injectant_kg, 4, "kg", String::new());
+    add(
+        "max_q_alpha_pa_deg",
+        "Maximum Q alpha",
+        s.max_q_alpha.value,
+        5,
+        "Pa deg",
+        margin,
+    );
+    add(
+        "max_roll_deg",
+        "Maximum roll",
+        s.max_roll_rad.to_degrees(),
+        4,
+        "deg",
+        String::new(),
+    );
+    add(
+        "tvc_impulse_pitch_n_s",
+        "TVC impulse, pitch",
+        s.tvc_pitch_impulse_ns,
+        5,
+        "N s",
+        String::new(),
+    );
+    add(
+        "tvc_impulse_yaw_n_s",
+        "TVC impulse, yaw",
+        s.tvc_yaw_impulse_ns,
+        5,
+        "N s",
+        String::new(),
+    );
+    add(
+        "injectant_kg",
+        "Injectant used",
+        s.injectant_kg,
+        4,
+        "kg",
+        String::new(),
+    );
     results
 }

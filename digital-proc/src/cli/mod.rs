@@ -23,7 +23,12 @@ use std::{
 ///     digital-proc fly --mode roll-lost     with a failure of the roll control
 ///     digital-proc list                     the runs so far
 #[derive(Parser)]
-#[command(name = "digital-proc", version, verbatim_doc_comment, propagate_version = true)]
+#[command(
+    name = "digital-proc",
+    version,
+    verbatim_doc_comment,
+    propagate_version = true
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -75,7 +80,11 @@ impl MachineArgs {
             (None, LinkName::Shm) => LinkChoice::Shm,
             (None, LinkName::Memory) => LinkChoice::Memory,
         };
-        Ok(Started::new(&link, context.analog, context.interrupted.clone())?)
+        Ok(Started::new(
+            &link,
+            context.analog,
+            context.interrupted.clone(),
+        )?)
     }
 }
 
@@ -90,7 +99,10 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             return ExitCode::from(failure::BAD_INPUT);
         }
     }
-    let context = Context { analog, interrupted };
+    let context = Context {
+        analog,
+        interrupted,
+    };
     let done = match cli.command {
         Command::Fly(c) => c.execute(&context),
     };

@@ -12,7 +12,10 @@
 //! α̇ = θ̇ + d(Γ − γ_air)/dt + K e_k/T, where the digital side sends the drift
 //! from its own step and e_k = α_d(t_k) − α_a(t_k), both of one instant.
 
-use super::{AlphaPath, FlightFault, channels::{AttitudeSample, StageChannels}};
+use super::{
+    AlphaPath, FlightFault,
+    channels::{AttitudeSample, StageChannels},
+};
 use crate::{
     airframe::AirframeCoefficients,
     executive::Rate,
@@ -154,16 +157,25 @@ impl<'v> FlightLaw<'v> {
         self.edges.merge(edges);
         let command = self.vehicle.pitch_programme().at(time_s);
         self.edges.note(TableName::PitchProgramme, command.edge);
-        self.settings =
-            control_settings(self.vehicle, self.case.mode, self.case.failure_start_s, time_s);
+        self.settings = control_settings(
+            self.vehicle,
+            self.case.mode,
+            self.case.failure_start_s,
+            time_s,
+        );
 
         let (flow, airframe) = trajectory::surroundings(self.vehicle, wind, time_s, &self.state)?;
-        let offset = |state: &TrajectoryState, flow: &Flow| state.range_angle_rad - flow.air_path_angle_rad;
+        let offset =
+            |state: &TrajectoryState, flow: &Flow| state.range_angle_rad - flow.air_path_angle_rad;
         let offset_rad = offset(&self.state, &flow);
         let next_offset_rad = offset(&self.next, &trajectory::flow_at(wind, &self.next));
         let alpha_error = attitude.angle_rad[0] + offset_rad - attitude.incidence_rad;
         let redundant = self.alpha == AlphaPath::Redundant;
-        let mend = if redundant { CORRECTION_GAIN * alpha_error / step_s } else { 0.0 };
+        let mend = if redundant {
+            CORRECTION_GAIN * alpha_error / step_s
+        } else {
+            0.0
+        };
 
         let dac = &self.channels.dac;
         let per_inertia = airframe.misalignment_moment_nm / airframe.pitch_inertia_kgm2;
@@ -177,7 +189,10 @@ impl<'v> FlightLaw<'v> {
             (dac.dead_zone, self.settings.gains.dead_zone_rad),
             (dac.a_misalign_p, self.case.pitch_misalignment * per_inertia),
             (dac.a_misalign_y, self.case.yaw_misalignment * per_inertia),
-            (dac.a_cant, airframe.fin_cant_moment_nm / airframe.roll_inertia_kgm2),
+            (
+                dac.a_cant,
+                airframe.fin_cant_moment_nm / airframe.roll_inertia_kgm2,
+            ),
         ] {
             updates.set_dac(channel, value);
         }

@@ -67,7 +67,9 @@ pub enum FlightFault {
     #[error("the trajectory cannot be continued: {0}")]
     Trajectory(#[from] FlightError),
     /// The plan's periods.
-    #[error("the trajectory step {step} is no multiple of {fast_frames} whole nanoseconds; choose another --frame or --fast")]
+    #[error(
+        "the trajectory step {step} is no multiple of {fast_frames} whole nanoseconds; choose another --frame or --fast"
+    )]
     Periods {
         /// Trajectory step.
         step: Tick,
@@ -86,9 +88,18 @@ pub fn stage_patch() -> PatchBundle {
     PatchBundle {
         root: "long-period.toml".to_owned(),
         files: vec![
-            file("long-period.toml", include_str!("../../../patch-files/long-period.toml")),
-            file("stage-gyro.toml", include_str!("../../../patch-files/stage-gyro.toml")),
-            file("fin-tip.toml", include_str!("../../../patch-files/fin-tip.toml")),
+            file(
+                "long-period.toml",
+                include_str!("../../../patch-files/long-period.toml"),
+            ),
+            file(
+                "stage-gyro.toml",
+                include_str!("../../../patch-files/stage-gyro.toml"),
+            ),
+            file(
+                "fin-tip.toml",
+                include_str!("../../../patch-files/fin-tip.toml"),
+            ),
         ],
     }
 }
@@ -121,12 +132,25 @@ pub fn fly(
     plan: &FlightPlan,
     mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
 ) -> Result<FlightSummary, FlightFault> {
-    let frame = plan.slow.fast_period(plan.step).filter(|t| *t > Tick::ZERO).ok_or(
-        FlightFault::Periods { step: plan.step, fast_frames: plan.slow.fast_frames() },
-    )?;
+    let frame = plan
+        .slow
+        .fast_period(plan.step)
+        .filter(|t| *t > Tick::ZERO)
+        .ok_or(FlightFault::Periods {
+            step: plan.step,
+            fast_frames: plan.slow.fast_frames(),
+        })?;
     console.load(stage_patch(), parameters(vehicle), plan.profile.clone())?;
     let channels = StageChannels::resolve(console)?;
-    let make_law = || FlightLaw::new(vehicle, &plan.case, channels.clone(), plan.alpha, (plan.slow, plan.step));
+    let make_law = || {
+        FlightLaw::new(
+            vehicle,
+            &plan.case,
+            channels.clone(),
+            plan.alpha,
+            (plan.slow, plan.step),
+        )
+    };
     let mut law = make_law();
     let incidence = law.initial_incidence_rad();
     console.set_ics(vec![("alpha_int".to_owned(), incidence)])?;
@@ -146,7 +170,9 @@ pub fn fly(
         monitor.observe(&result.sample, result.edges);
         observe(samples, &result)
     })?;
-    monitor.finish().ok_or_else(|| FlightFault::Observer("the flight had no frame".into()))
+    monitor
+        .finish()
+        .ok_or_else(|| FlightFault::Observer("the flight had no frame".into()))
 }
 
 /// Sets before OPERATE what the first updates will set again, so that with a

@@ -42,8 +42,8 @@ impl Partition {
                 "TVC forces",
             ]),
             dac: list(&[
-                "θ_c",
-                "γ_air, range angle Γ",
+                "pitch command θ",
+                "air-path angle γ, range angle Γ",
                 "moment and force slopes",
                 "control effectiveness",
                 "loop gains",

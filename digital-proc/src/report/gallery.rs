@@ -5,7 +5,6 @@ use std::path::Path;
 
 use interface::Tick;
 
-use super::flight::{FLIGHT_COLUMNS, FlightContext, flight_report};
 use super::plot::*;
 use super::*;
 use crate::run_dir::{Column, PatchIdentity, RunRecord, Seed, Trace, TraceWriter};
@@ -134,8 +133,16 @@ fn gallery() -> String {
         Axis::new("Samples per cycle", "").log(),
         Axis::new("Growth per cycle", "%").log(),
         &[
-            ("zero-order hold", &per_cycle, &a, &few, &thin(&a)),
-            ("extrapolating", &per_cycle, &b, &few, &thin(&b)),
+            Pair {
+                name: "zero-order hold",
+                theory: (&per_cycle, &a),
+                measured: (&few, &thin(&a)),
+            },
+            Pair {
+                name: "extrapolating",
+                theory: (&per_cycle, &b),
+                measured: (&few, &thin(&b)),
+            },
         ],
     );
     let step_x: Vec<f64> = (0..30).map(f64::from).collect();

@@ -207,10 +207,29 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
 impl<W: DigitalWire> DigitalEnd<W> {
     /// Greets the partner, which has the same build or is refused.
     pub(super) fn greet(&mut self) -> Result<(), LinkFault> {
-        match self.request(&protocol::hello())? {
+        // The partner may still be starting: it has as long as it has to arrive.
+        let limit = self.patience.arrival.map_or(Limit::Unlimited, Limit::After);
+        match self.request_within(&protocol::hello(), limit)? {
             Reply::Refused(detail) => Err(LinkFault::Protocol { frame: 0, detail }),
             _ => Ok(()),
         }
+    }
+
+    fn request_within(&mut self, request: &Request, limit: Limit) -> Result<Reply, LinkFault> {
+        let frame = self.protocol.frame();
+        self.protocol.request(request).map_err(|e| e.at(frame))?;
+        // Samples of an earlier run that nobody asked for.
+        while self.wire.take_samples()?.is_some() {}
+        self.wire.put_request(request)?;
+        let reply = wait(
+            &self.patience,
+            &mut self.wire,
+            limit,
+            frame,
+            DigitalWire::take_reply,
+        )?;
+        self.protocol.reply(&reply).map_err(|e| e.at(frame))?;
+        Ok(reply)
     }
 }
 
@@ -249,20 +268,7 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
     }
 
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault> {
-        let frame = self.protocol.frame();
-        self.protocol.request(request).map_err(|e| e.at(frame))?;
-        // Samples of an earlier run that nobody asked for.
-        while self.wire.take_samples()?.is_some() {}
-        self.wire.put_request(request)?;
-        let reply = wait(
-            &self.patience,
-            &mut self.wire,
-            Limit::Silence,
-            frame,
-            DigitalWire::take_reply,
-        )?;
-        self.protocol.reply(&reply).map_err(|e| e.at(frame))?;
-        Ok(reply)
+        self.request_within(request, Limit::Silence)
     }
 }
 
@@ -273,5 +279,60 @@ pub(super) fn died(watch: &impl Watch, frame: u64) -> LinkFault {
         side: side.name(),
         frame,
         detail: watch.epitaph(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::memory;
+
+    /// Two ends that have not met, as two processes have not.
+    fn strangers() -> (memory::MemoryAnalog, memory::MemoryDigital) {
+        let (mut analog, mut digital) = memory::pair();
+        analog.protocol = Protocol::new();
+        digital.protocol = Protocol::new();
+        (analog, digital)
+    }
+
+    #[test]
+    fn one_build_greets_itself() {
+        let (mut analog, mut digital) = strangers();
+        std::thread::scope(|scope| {
+            scope.spawn(|| analog.greet().unwrap());
+            digital.greet().unwrap();
+        });
+        assert_eq!(analog.protocol, digital.protocol);
+        assert_eq!(analog.protocol, Protocol::greeted());
+    }
+
+    #[test]
+    fn another_build_is_refused_and_both_sides_say_why() {
+        let ours = protocol::layout_hash();
+        for (version, layout_hash, word) in [
+            (protocol::VERSION + 1, ours, "protocol version"),
+            (protocol::VERSION, ours ^ 1, "frame layout"),
+        ] {
+            let (mut analog, mut digital) = strangers();
+            digital
+                .wire
+                .put_request(&Request::Hello {
+                    version,
+                    layout_hash,
+                })
+                .unwrap();
+            let fault = analog.greet().unwrap_err();
+            assert!(matches!(fault, LinkFault::Protocol { .. }));
+            assert!(fault.to_string().contains(word), "{fault}");
+            let told = digital.wire.take_reply().unwrap();
+            assert!(matches!(told, Some(Reply::Refused(text)) if text.contains(word)));
+        }
+    }
+
+    #[test]
+    fn a_stranger_that_does_not_greet_is_refused() {
+        let (mut analog, mut digital) = strangers();
+        digital.wire.put_request(&Request::StaticCheck).unwrap();
+        assert!(matches!(analog.greet(), Err(LinkFault::Protocol { .. })));
     }
 }

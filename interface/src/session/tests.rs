@@ -1,4 +1,4 @@
-use super::*;
+use super::{remains::SHARED_MEMORY, *};
 
 fn base() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()

@@ -296,7 +296,8 @@ fn a_stopped_partner_meets_the_deadline() {
     let session = Session::create_in(&base, Side::Digital, None).unwrap();
     let child = Role::start("partner", &base, session.name());
     let impatient = Patience {
-        silence: Duration::from_millis(400),
+        // Longer than a busy machine keeps a live partner from answering.
+        silence: Duration::from_secs(1),
         ..Patience::default()
     };
     let mut port = ShmDigital::open(&session, Some(child.pid()), &impatient).unwrap();
@@ -314,10 +315,30 @@ fn a_stopped_partner_meets_the_deadline() {
         ),
         "{fault}"
     );
-    // A stopped process uses no processor time, so the first window decides: 0.4 s and one slice.
-    assert!(start.elapsed() < Duration::from_secs(2));
+    // A stopped process uses no processor time, so the first window decides: 1 s and a slice.
+    assert!(start.elapsed() < Duration::from_secs(3));
     drop((port, child, session));
     assert!(!base.exists());
+}
+
+#[test]
+fn a_computing_partner_may_take_its_time_up_to_a_limit() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    for (busy_limit, patient) in [(60, true), (0, false)] {
+        let session = Session::create_in(&base, Side::Digital, None).unwrap();
+        let child = Role::start("partner", &base, session.name());
+        let patience = Patience {
+            // The partner answers after 1.5 s of computing.
+            silence: Duration::from_millis(500),
+            busy_limit: Duration::from_secs(busy_limit),
+            ..Patience::default()
+        };
+        let mut port = ShmDigital::open(&session, Some(child.pid()), &patience).unwrap();
+        let answer = port.request(&Request::Read(vec!["busy".into()]));
+        assert_eq!(answer.is_ok(), patient, "{answer:?}");
+        drop((port, child));
+    }
 }
 
 #[test]

@@ -147,13 +147,15 @@ fn text_style(role: Role) -> TextStyle<'static> {
     style
 }
 
-/// A figure with a title, a legend and two axes; `draw` fills the plotting area.
+/// A figure with a title, a legend and two axes; `draw` fills the plotting area, above
+/// which `headroom` units are left free.
 pub(super) fn frame(
     title: &str,
     size: Size,
     x: &FittedAxis,
     y: &FittedAxis,
     keys: &[Key],
+    headroom: i32,
     draw: impl FnOnce(&Canvas<'_>),
 ) -> Markup {
     let (width, height) = (
@@ -164,8 +166,8 @@ pub(super) fn frame(
     let right = width - 160;
     let (rows, placed) = lay_out_legend(keys, left, right);
     let title_height = if title.is_empty() { 60 } else { 300 };
-    let top = title_height + rows * 200 + 60;
-    let bottom = height - 480;
+    let top = title_height + rows * 200 + 60 + headroom;
+    let bottom = height - 450;
     let mut svg = String::with_capacity(16_384);
     {
         let root =

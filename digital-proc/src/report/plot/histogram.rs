@@ -53,7 +53,7 @@ pub fn histogram(spec: &Histogram) -> Markup {
         ..Axis::new("Count", "")
     };
     let y = counting.fit(std::iter::empty(), 6, 0.0);
-    frame(&spec.title, spec.size, &x, &y, &[], |canvas| {
+    frame(&spec.title, spec.size, &x, &y, &[], 0, |canvas| {
         let width = (x.high - x.low) / bins as f64;
         for (bin, &count) in counts.iter().enumerate() {
             let Some(height) = counting.map(count as f64).filter(|_| count > 0) else {

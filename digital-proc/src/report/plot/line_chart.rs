@@ -3,9 +3,10 @@
 use maud::Markup;
 use plotters::style::text_anchor::{HPos, VPos};
 
+use super::STYLES;
 use super::axis::Axis;
 use super::canvas::{CHARACTER, Canvas, Key, Role, frame};
-use super::{STYLES, decimate};
+use super::curve::Curve;
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,15 +178,20 @@ impl LineChart {
     }
 }
 
+/// A theory and the measurement that it is held against, each as (abscissae, ordinates).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair<'a> {
+    /// What varies from pair to pair; may be empty.
+    pub name: &'a str,
+    /// Drawn as a line.
+    pub theory: (&'a [f64], &'a [f64]),
+    /// Drawn as markers.
+    pub measured: (&'a [f64], &'a [f64]),
+}
+
 /// Theory as lines and measurement as markers, pair by pair in one style.
-/// Each pair is (name, theory x, theory y, measured x, measured y).
 #[must_use]
-pub fn measured_vs_theory(
-    title: &str,
-    x: Axis,
-    y: Axis,
-    pairs: &[(&str, &[f64], &[f64], &[f64], &[f64])],
-) -> LineChart {
+pub fn measured_vs_theory(title: &str, x: Axis, y: Axis, pairs: &[Pair<'_>]) -> LineChart {
     let named = |name: &str, what: &str| {
         if name.is_empty() {
             what.to_owned()
@@ -196,15 +202,23 @@ pub fn measured_vs_theory(
     let series = pairs
         .iter()
         .enumerate()
-        .flat_map(|(i, (name, tx, ty, mx, my))| {
+        .flat_map(|(i, pair)| {
             [
-                Series::line(named(name, "theory"), tx, ty).style(i),
-                Series::markers(named(name, "measured"), mx, my).style(i),
+                Series::line(named(pair.name, "theory"), pair.theory.0, pair.theory.1).style(i),
+                Series::markers(
+                    named(pair.name, "measured"),
+                    pair.measured.0,
+                    pair.measured.1,
+                )
+                .style(i),
             ]
         })
         .collect();
     LineChart::new(title, x, y, series)
 }
+
+/// Height of a row of event labels, in drawing units.
+const MARK_ROW: i32 = 150;
 
 /// The chart as SVG for [`crate::report::page`].
 #[must_use]
@@ -248,151 +262,33 @@ pub fn line_chart(chart: &LineChart) -> Markup {
             bar: None,
         })
         .collect();
-    frame(&chart.title, chart.size, &x, &y, &keys, |canvas| {
-        draw_marks(canvas, chart);
-        draw_limits(canvas, chart);
-        for curve in &curves {
-            curve.draw(canvas);
-        }
-        if points().next().is_none() {
-            let (left, top, right, bottom) = canvas.area;
-            let middle = ((left + right) / 2, (top + bottom) / 2);
-            canvas.text(
-                "no data",
-                middle,
-                Role::MarkText,
-                HPos::Center,
-                VPos::Center,
-            );
-        }
-    })
-}
-
-/// A series in mapped coordinates, cut at its gaps.
-struct Curve {
-    runs: Vec<Vec<(f64, f64)>>,
-    draw: Draw,
-    style: usize,
-    ascending: bool,
-}
-
-impl Curve {
-    fn new(chart: &LineChart, series: &Series, style: usize) -> Curve {
-        let mut runs = vec![Vec::new()];
-        for (&x, &y) in series.x.iter().zip(&series.y) {
-            match chart.x.map(x).zip(chart.y.map(y)) {
-                Some(point) => {
-                    if let Some(run) = runs.last_mut() {
-                        run.push(point);
-                    }
-                }
-                None => runs.push(Vec::new()),
+    let headroom = if chart.marks.is_empty() { 0 } else { MARK_ROW };
+    frame(
+        &chart.title,
+        chart.size,
+        &x,
+        &y,
+        &keys,
+        headroom,
+        |canvas| {
+            draw_marks(canvas, chart);
+            draw_limits(canvas, chart);
+            for curve in &curves {
+                curve.draw(canvas);
             }
-        }
-        runs.retain(|run| !run.is_empty());
-        let ascending = runs.iter().flatten().is_sorted_by(|a, b| a.0 <= b.0);
-        Curve {
-            runs,
-            draw: series.draw,
-            style,
-            ascending,
-        }
-    }
-
-    fn draw(&self, canvas: &Canvas<'_>) {
-        let mut markers = Vec::new();
-        for run in &self.runs {
-            let mut points: Vec<(i32, i32)> = if self.ascending {
-                let heights: Vec<f64> = run.iter().map(|point| point.1).collect();
-                decimate::extremes(&heights)
-                    .into_iter()
-                    .map(|i| canvas.at(run[i].0, run[i].1))
-                    .collect()
-            } else {
-                let all: Vec<(i32, i32)> = run.iter().map(|p| canvas.at(p.0, p.1)).collect();
-                decimate::spaced(&all, 5)
-                    .into_iter()
-                    .map(|i| all[i])
-                    .collect()
-            };
-            if matches!(self.draw, Draw::Markers | Draw::LineAndMarkers) {
-                markers.extend_from_slice(&points);
+            if points().next().is_none() {
+                let (left, top, right, bottom) = canvas.area;
+                let middle = ((left + right) / 2, (top + bottom) / 2);
+                canvas.text(
+                    "no data",
+                    middle,
+                    Role::MarkText,
+                    HPos::Center,
+                    VPos::Center,
+                );
             }
-            if self.draw == Draw::Step {
-                points = held(&points);
-            }
-            if self.draw != Draw::Markers {
-                if let [only] = points[..] {
-                    // A lone point between gaps would leave no trace as a line.
-                    points = vec![(only.0 - 10, only.1), (only.0 + 10, only.1)];
-                }
-                for piece in clipped(&points, canvas.area) {
-                    canvas.path(piece, Role::Line(self.style));
-                }
-            }
-        }
-        let (left, top, right, bottom) = canvas.area;
-        for (x, y) in markers {
-            if (left..=right).contains(&x) && (top..=bottom).contains(&y) {
-                canvas.marker((x, y), self.style);
-            }
-        }
-    }
-}
-
-/// The corners of a staircase through `points`.
-fn held(points: &[(i32, i32)]) -> Vec<(i32, i32)> {
-    let mut corners = Vec::with_capacity(points.len() * 2);
-    for (i, &(x, y)) in points.iter().enumerate() {
-        if i > 0 {
-            corners.push((x, points[i - 1].1));
-        }
-        corners.push((x, y));
-    }
-    corners
-}
-
-/// The parts of a path inside the area, cut where it crosses the border.
-fn clipped(points: &[(i32, i32)], area: (i32, i32, i32, i32)) -> Vec<Vec<(i32, i32)>> {
-    let (left, top, right, bottom) = area;
-    let inside = |&(x, y): &(i32, i32)| (left..=right).contains(&x) && (top..=bottom).contains(&y);
-    if points.iter().all(inside) {
-        return vec![points.to_vec()];
-    }
-    let mut pieces: Vec<Vec<(i32, i32)>> = Vec::new();
-    for pair in points.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let (dx, dy) = (f64::from(to.0 - from.0), f64::from(to.1 - from.1));
-        // The share of the segment between each pair of parallel borders.
-        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        for (start, delta, low, high) in [(from.0, dx, left, right), (from.1, dy, top, bottom)] {
-            let (low, high) = (f64::from(low - start), f64::from(high - start));
-            if delta == 0.0 {
-                if low > 0.0 || high < 0.0 {
-                    leave = -1.0;
-                }
-            } else {
-                let (a, b) = (low / delta, high / delta);
-                enter = enter.max(a.min(b));
-                leave = leave.min(a.max(b));
-            }
-        }
-        if enter > leave {
-            continue;
-        }
-        let at = |share: f64| {
-            (
-                from.0 + (dx * share).round() as i32,
-                from.1 + (dy * share).round() as i32,
-            )
-        };
-        let (start, end) = (at(enter), at(leave));
-        match pieces.last_mut() {
-            Some(piece) if piece.last() == Some(&start) => piece.push(end),
-            _ => pieces.push(vec![start, end]),
-        }
-    }
-    pieces
+        },
+    )
 }
 
 fn draw_limits(canvas: &Canvas<'_>, chart: &LineChart) {
@@ -435,7 +331,7 @@ fn draw_marks(canvas: &Canvas<'_>, chart: &LineChart) {
         .filter(|(x, _)| (left..=right).contains(x))
         .collect();
     marks.sort_by_key(|(x, _)| *x);
-    // Labels run along the foot of the chart, in as many rows as keep them apart.
+    // Labels stand above the plotting area; those that would touch move down a row.
     let mut row_ends: Vec<i32> = Vec::new();
     for (x, name) in marks {
         canvas.path(vec![(x, top), (x, bottom)], Role::Mark);
@@ -455,7 +351,7 @@ fn draw_marks(canvas: &Canvas<'_>, chart: &LineChart) {
         } else {
             row_ends[row] = end;
         }
-        let at = bottom - 40 - row as i32 * 150;
+        let at = top - 30 + row as i32 * MARK_ROW;
         let (at_x, anchor) = if before {
             (x - 30, HPos::Right)
         } else {
@@ -511,15 +407,6 @@ mod tests {
             prop_assert!(svg.starts_with("<svg") && svg.ends_with("</svg>"));
             prop_assert!(!svg.contains("NaN") && !svg.contains("#01"));
         }
-    }
-
-    #[test]
-    fn a_path_is_cut_at_the_border() {
-        let path = [(0, 50), (200, 50), (200, 80), (50, 80)];
-        assert_eq!(
-            clipped(&path, (10, 0, 100, 100)),
-            [vec![(10, 50), (100, 50)], vec![(100, 80), (50, 80)]]
-        );
     }
 
     #[test]

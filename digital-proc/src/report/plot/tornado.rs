@@ -58,9 +58,9 @@ pub fn tornado(spec: &Tornado) -> Markup {
         .map(|b| b.name.chars().count())
         .max()
         .unwrap_or(0);
-    let left = (longest as f64 * 6.9 + 20.0).clamp(120.0, 330.0);
+    let left = (longest as f64 * 7.6 + 24.0).clamp(120.0, 374.0);
     let right = 745.0;
-    let (top, pitch) = (66.0, 27.0);
+    let (top, pitch) = (84.0, 27.0);
     let bottom = top + pitch * bars.len() as f64 + 6.0;
     let at = |v: f64| left + (v - low) / (high - low) * (right - left);
     let tenth = |v: f64| format!("{v:.1}");
