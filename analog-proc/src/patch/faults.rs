@@ -126,6 +126,10 @@ impl Faults {
         self.list.len() >= MOST_FAULTS
     }
 
+    pub(crate) fn root(&self) -> &str {
+        &self.root
+    }
+
     /// How many there are so far, those beyond the limit included.
     pub(crate) fn count(&self) -> usize {
         self.list.len() + self.omitted
@@ -216,7 +220,7 @@ impl PatchFaults {
 
     /// The faults as flat records.
     #[must_use]
-    pub fn records(&self) -> Vec<FaultRecord> {
+    pub fn to_list(&self) -> Vec<FaultRecord> {
         self.faults
             .iter()
             .map(|fault| {
