@@ -8,6 +8,7 @@
 
 mod graph;
 mod label;
+mod level;
 mod place;
 mod route;
 mod symbol;
