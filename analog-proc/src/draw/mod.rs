@@ -46,7 +46,7 @@ text { fill: #1b2a41; text-anchor: middle; font-size: 11px; }
 .coefficient { font-size: 10.5px; text-anchor: end; fill: #0b5394; paint-order: stroke; stroke: #ffffff; stroke-width: 3px; }
 .tag { font-size: 10.5px; text-anchor: end; font-style: italic; fill: #33506e; }
 .port { font-size: 8.5px; text-anchor: start; fill: #5c6b7f; }
-.frame-name { text-anchor: start; fill: #5c6b7f; font-style: italic; }
+.frame-name { text-anchor: start; fill: #5c6b7f; font-style: italic; paint-order: stroke; stroke: #ffffff; stroke-width: 3px; }
 .sign { font-size: 22px; }
 .word { font-size: 14px; }
 .tiny { font-size: 10.5px; }
@@ -61,7 +61,7 @@ text { fill: #1b2a41; text-anchor: middle; font-size: 11px; }
   .plot { stroke: #d5deea; }
   .axis { stroke: #5a6a80; }
   text { fill: #e6edf5; }
-  .name, .value, .coefficient { stroke: #10161f; }
+  .name, .value, .coefficient, .frame-name { stroke: #10161f; }
   .value { fill: #7fd6a4; }
   .coefficient { fill: #8ec5ff; }
   .tag { fill: #8fb4dc; }
@@ -357,8 +357,8 @@ impl Sheet<'_> {
                 let (tag, coefficient) = port_texts(port, self.netlist);
                 let mut right = x - 10.0;
                 if let Some(coefficient) = coefficient {
-                    let lift = if port.is_tag { -4.0 } else { 4.0 };
-                    let at = if port.is_tag { y - lift } else { y - lift };
+                    // Beside a tag; above a wire.
+                    let at = if port.is_tag { y + 3.5 } else { y - 4.0 };
                     group = group.add(text(right, at, "coefficient", &coefficient));
                     right -= text_width(&coefficient) + 6.0;
                 }

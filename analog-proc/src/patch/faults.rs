@@ -121,6 +121,11 @@ impl Faults {
         }
     }
 
+    /// Counts a fault that is not told.
+    pub(crate) fn omit(&mut self) {
+        self.omitted += 1;
+    }
+
     /// Whether further faults are only counted; the search for near names then stops too.
     pub(crate) fn is_full(&self) -> bool {
         self.list.len() >= MOST_FAULTS

@@ -234,7 +234,12 @@ impl<'a> Resolver<'a> {
             let instance = format!("{prefix}{}", &name[..=dot]);
             self.instances.dead.contains(&instance)
         });
-        if is_dead || self.faults.is_full() {
+        if is_dead {
+            return None;
+        }
+        if self.faults.is_full() {
+            // Only counted: the search for a near name over all nets costs too much to repeat.
+            self.faults.omit();
             return None;
         }
         if params.contains_key(name) {
