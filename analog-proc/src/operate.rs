@@ -684,7 +684,7 @@ impl Engine {
             .zip(&self.margins_high)
         {
             let bend = 2.0 * (low - 2.0 * middle + high);
-            if !(bend < 0.0) {
+            if bend >= 0.0 || bend.is_nan() {
                 continue;
             }
             let slope = 4.0 * middle - 3.0 * low - high;

@@ -67,10 +67,10 @@ fn check(integration: &Integration) -> Result<(), RunFault> {
         return refuse("atol", atol);
     }
     let fixed = matches!(integration.method, Method::RungeKutta4 | Method::Euler);
-    if fixed && !(step_s >= 1e-9 && step_s < 9e9) {
+    if fixed && !(1e-9..9e9).contains(&step_s) {
         return refuse("step", step_s);
     }
-    if !(max_step_s > 0.0) {
+    if max_step_s <= 0.0 || max_step_s.is_nan() {
         return refuse("max-step", max_step_s);
     }
     Ok(())
@@ -350,8 +350,9 @@ impl Simulation {
             ];
             for (derivative, expected, found) in found {
                 let Some(expected) = expected else { continue };
-                // Not `>`: an undefined value is a mismatch.
-                if !((found - expected).abs() <= item.tolerance) {
+                // An undefined value is a mismatch.
+                let difference = (found - expected).abs();
+                if difference > item.tolerance || difference.is_nan() {
                     let (net, tolerance) = (item.net, item.tolerance);
                     mismatches.push(Mismatch {
                         net,

@@ -586,7 +586,7 @@ impl Lowering {
                 frequency_hz,
                 start_s,
                 ..
-            } => start_s.is_finite() && frequency_hz >= 0.0 && frequency_hz <= 0.5 / LEAST_TIME_S,
+            } => start_s.is_finite() && (0.0..=0.5 / LEAST_TIME_S).contains(&frequency_hz),
             _ => true,
         };
         if fine {
