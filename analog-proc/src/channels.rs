@@ -15,7 +15,7 @@ use interface::{
     coefficient::CoefficientUnit,
     control::{Channel, ChannelKind},
     converter::Converter,
-    frame::{EDGES_PER_FRAME, Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
+    frame::{Edge, Samples, Transfer, Updates},
     hold::Hold,
     profile::Profile,
 };
