@@ -3,6 +3,7 @@
 
 mod bench_top;
 mod determinism;
+mod exercises;
 mod faults;
 mod flight;
 mod partition;
