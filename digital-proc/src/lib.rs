@@ -22,6 +22,7 @@ pub mod report;
 pub mod rk4;
 pub mod run_dir;
 pub mod slice;
+pub mod study;
 pub mod table;
 pub mod table_edges;
 pub mod trajectory;

@@ -1,0 +1,102 @@
+//! Faults of a study's input file, with the place and the remedy.
+//!
+//! All faults that can be told apart are reported together, each with its line;
+//! what the TOML reader itself refuses ends the reading and comes alone.
+
+use std::fmt;
+use std::ops::Range;
+
+/// One fault of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileFault {
+    /// File as named by the caller.
+    pub file: String,
+    /// Line and column, counted from 1.
+    pub place: Option<(usize, usize)>,
+    /// What is wrong.
+    pub fault: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+impl fmt::Display for FileFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file)?;
+        if let Some((line, column)) = self.place {
+            write!(f, ":{line}:{column}")?;
+        }
+        write!(f, ": {}; {}", self.fault, self.remedy)
+    }
+}
+
+/// A file being checked: its name and text, to turn byte offsets into lines.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// File as named by the caller.
+    pub file: &'a str,
+    /// Its text.
+    pub text: &'a str,
+}
+
+impl Source<'_> {
+    /// A fault at a byte range of the text.
+    #[must_use]
+    pub fn fault(&self, span: Range<usize>, fault: String, remedy: String) -> FileFault {
+        FileFault {
+            file: self.file.to_owned(),
+            place: Some(self.line_and_column(span.start)),
+            fault,
+            remedy,
+        }
+    }
+
+    /// What the TOML reader refused.
+    #[must_use]
+    pub fn reader_fault(&self, error: &toml::de::Error) -> FileFault {
+        let message = error.message().trim().replace('\n', " ");
+        let mut quoted = message.split('`').skip(1).step_by(2);
+        let remedy =
+            if message.starts_with("unknown field") || message.starts_with("unknown variant") {
+                let unknown = quoted.next().unwrap_or_default();
+                suggestion(unknown, quoted)
+            } else if message.starts_with("missing field") {
+                "add the key".to_owned()
+            } else if message.starts_with("invalid type") {
+                "give a value of the expected type".to_owned()
+            } else {
+                "correct it here".to_owned()
+            };
+        FileFault {
+            file: self.file.to_owned(),
+            place: error.span().map(|span| self.line_and_column(span.start)),
+            fault: message,
+            remedy,
+        }
+    }
+
+    fn line_and_column(&self, offset: usize) -> (usize, usize) {
+        let before = self.text.get(..offset).unwrap_or(self.text);
+        let line_start = before.rfind('\n').map_or(0, |n| n + 1);
+        (
+            before.matches('\n').count() + 1,
+            before[line_start..].chars().count() + 1,
+        )
+    }
+}
+
+/// "did you mean `x`?" with the nearest of the known names, or all of them if none is near.
+#[must_use]
+pub fn suggestion<'a>(unknown: &str, known: impl Iterator<Item = &'a str>) -> String {
+    // Below this similarity a suggestion misleads more often than it helps.
+    const SIMILAR: f64 = 0.7;
+    let known: Vec<&str> = known.collect();
+    let nearest = known
+        .iter()
+        .map(|name| (strsim::jaro_winkler(unknown, name), *name))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    match nearest {
+        Some((similarity, name)) if similarity > SIMILAR => format!("did you mean `{name}`?"),
+        Some(_) => format!("known are {}", known.join(", ")),
+        None => "there is none to name".to_owned(),
+    }
+}

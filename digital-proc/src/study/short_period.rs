@@ -1,0 +1,21 @@
+//! Short-period study (paper §4.1): the control loops at frozen trajectory points.
+//!
+//! The coefficients of a point are frozen ([`point`]), changed by an operating
+//! condition ([`study_file`]), turned into settings of the patches
+//! `pitch-loop.toml` and `yaw-roll-loop.toml` ([`coefficients`]), and the answers
+//! ([`response`]) are measured ([`metrics`]) and judged against the paper's
+//! sentences ([`claims`]). Beside them stand the eigenvalues of the linearised
+//! loops ([`linear`]) and a second formulation in plain Rust ([`reference`]).
+//! Nothing here does I/O or knows of the machine that runs the patches.
+
+pub mod claims;
+pub mod coefficients;
+pub mod linear;
+pub mod measure;
+pub mod metrics;
+pub mod plan;
+pub mod point;
+pub mod quantity;
+pub mod reference;
+pub mod response;
+pub mod study_file;

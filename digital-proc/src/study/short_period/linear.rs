@@ -1,0 +1,419 @@
+//! The linearised loops: state matrices and their eigenvalues.
+//!
+//! A dead zone, a travel limit or a force limit is replaced by the gain it shows
+//! to a small signal (1 inside its linear range, 0 where it is saturated or
+//! closed) or, for a given amplitude, by its describing function. Eigenvalues
+//! therefore agree with a response only where the loop stays in that range.
+
+use std::f64::consts::FRAC_2_PI;
+
+use nalgebra::{DMatrix, SMatrix};
+
+use super::coefficients::{Plane, YawRollSettings};
+
+/// Gains shown by the two channels, as fractions of the linear ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelGains {
+    /// Fin-tip channel: 1 in its travel, 0 saturated.
+    pub ftc: f64,
+    /// Thrust-vector channel: 1 beyond the dead zone, 0 inside it.
+    pub tvc: f64,
+}
+
+impl ChannelGains {
+    /// Both channels, the dead zone ignored.
+    pub const BOTH: ChannelGains = ChannelGains { ftc: 1.0, tvc: 1.0 };
+    /// Fin tips alone, inside the dead zone.
+    pub const FTC_ONLY: ChannelGains = ChannelGains { ftc: 1.0, tvc: 0.0 };
+    /// Thrust vector alone: the tips saturated or absent, the dead zone ignored.
+    pub const TVC_ONLY: ChannelGains = ChannelGains { ftc: 0.0, tvc: 1.0 };
+}
+
+/// Gain of a dead zone of half width `half_width` to a sine of `amplitude`:
+/// N = 1 − (2/π)(sin⁻¹ρ + ρ√(1−ρ²)), ρ = half_width/amplitude; 0 for ρ ≥ 1.
+#[must_use]
+pub fn dead_zone_gain(half_width: f64, amplitude: f64) -> f64 {
+    if amplitude <= half_width {
+        return 0.0;
+    }
+    let rho = half_width / amplitude;
+    1.0 - FRAC_2_PI * (rho.asin() + rho * (1.0 - rho * rho).sqrt())
+}
+
+/// One eigenvalue s as natural frequency |s| and damping ratio −Re s/|s|.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    /// Real part, 1/s.
+    pub real: f64,
+    /// Imaginary part, rad/s.
+    pub imaginary: f64,
+}
+
+impl Root {
+    /// Natural frequency |s|, rad/s.
+    #[must_use]
+    pub fn frequency_radps(&self) -> f64 {
+        self.real.hypot(self.imaginary)
+    }
+
+    /// Damping ratio −Re s/|s|; 0 for a root at the origin.
+    #[must_use]
+    pub fn damping(&self) -> f64 {
+        let frequency = self.frequency_radps();
+        if frequency == 0.0 {
+            0.0
+        } else {
+            -self.real / frequency
+        }
+    }
+
+    /// Whether it belongs to an oscillation.
+    #[must_use]
+    pub fn oscillates(&self) -> bool {
+        self.imaginary != 0.0
+    }
+}
+
+/// State matrix of a plane, states: drift rate, θ, θ̇, δ, F_T, gyro rate, gyro
+/// slope, η, η̇, filtered error; shape `[10][10]`.
+#[must_use]
+pub fn plane_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 10> {
+    const DRIFT: usize = 0;
+    const THETA: usize = 1;
+    const RATE: usize = 2;
+    const TIP: usize = 3;
+    const TVC: usize = 4;
+    const GYRO: usize = 5;
+    const GYRO_SLOPE: usize = 6;
+    const ETA: usize = 7;
+    const ETA_RATE: usize = 8;
+    const FILTERED: usize = 9;
+    let mut a = SMatrix::<f64, 10, 10>::zeros();
+    a[(DRIFT, DRIFT)] = -plane.normal_pull * plane.inverse_speed;
+    a[(DRIFT, THETA)] = -plane.thrust_pull - plane.normal_pull;
+    a[(DRIFT, TIP)] = plane.control_pull * plane.tip_force;
+    a[(DRIFT, TVC)] = plane.control_pull;
+    a[(THETA, RATE)] = 1.0;
+    a[(RATE, DRIFT)] = plane.aero_moment * plane.inverse_speed;
+    a[(RATE, THETA)] = plane.aero_moment;
+    a[(RATE, RATE)] = plane.damping;
+    a[(RATE, TIP)] = plane.ftc_moment * plane.tip_force;
+    a[(RATE, TVC)] = plane.tvc_moment;
+    a[(TIP, TIP)] = -plane.tip_bandwidth;
+    a[(TIP, FILTERED)] = plane.tip_bandwidth * plane.ftc_gain * gains.ftc;
+    let tvc = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
+    a[(TVC, TVC)] = -plane.tvc_bandwidth;
+    a[(TVC, THETA)] = -tvc;
+    a[(TVC, ETA)] = -tvc * plane.imu_slope;
+    a[(TVC, GYRO)] = -tvc * plane.tvc_lead;
+    a[(GYRO, GYRO_SLOPE)] = 1.0;
+    a[(GYRO_SLOPE, RATE)] = plane.gyro_spring;
+    a[(GYRO_SLOPE, ETA_RATE)] = plane.gyro_spring * plane.gyro_slope;
+    a[(GYRO_SLOPE, GYRO)] = -plane.gyro_spring;
+    a[(GYRO_SLOPE, GYRO_SLOPE)] = -plane.gyro_drag;
+    a[(ETA, ETA_RATE)] = 1.0;
+    a[(ETA_RATE, ETA)] = -plane.bending_spring;
+    a[(ETA_RATE, ETA_RATE)] = -plane.bending_drag;
+    a[(ETA_RATE, TIP)] = plane.bending_drive * plane.tip_force;
+    a[(ETA_RATE, TVC)] = plane.bending_drive;
+    a[(FILTERED, THETA)] = -plane.filter_pole;
+    a[(FILTERED, ETA)] = -plane.filter_pole * plane.imu_slope;
+    a[(FILTERED, GYRO)] = -plane.filter_pole * plane.ftc_lead;
+    a[(FILTERED, FILTERED)] = -plane.filter_pole;
+    a
+}
+
+/// State matrix of the roll loop, states: φ, p, half the difference of the tips,
+/// gyro rate, gyro slope; shape `[5][5]`. With the tips inside their travel yaw and
+/// roll do not couple: sum and difference of two equal linear tips are independent.
+#[must_use]
+pub fn roll_matrix(settings: &YawRollSettings) -> SMatrix<f64, 5, 5> {
+    let plane = &settings.plane;
+    let mut a = SMatrix::<f64, 5, 5>::zeros();
+    a[(0, 1)] = 1.0;
+    a[(1, 1)] = settings.roll_damping;
+    a[(1, 2)] = settings.roll_moment * plane.tip_force;
+    a[(2, 2)] = -plane.tip_bandwidth;
+    a[(2, 0)] = -plane.tip_bandwidth * settings.roll_gain;
+    a[(2, 3)] = -plane.tip_bandwidth * settings.roll_gain * settings.roll_lead;
+    a[(3, 4)] = 1.0;
+    a[(4, 1)] = plane.gyro_spring;
+    a[(4, 3)] = -plane.gyro_spring;
+    a[(4, 4)] = -plane.gyro_drag;
+    a
+}
+
+/// Attitude and bending coordinate (rad, m) after a step command from rest, both channels
+/// staying in the range that `gains` describes: x(t) = ∫₀ᵗ exp(A s) b ds by the
+/// exponential of the matrix with its input appended, exact at every sample.
+#[must_use]
+pub fn step_response(
+    plane: &Plane,
+    gains: ChannelGains,
+    command_rad: f64,
+    sample_s: f64,
+    samples: usize,
+) -> Vec<[f64; 2]> {
+    const THETA: usize = 1;
+    const TVC: usize = 4;
+    const ETA: usize = 7;
+    const FILTERED: usize = 9;
+    let mut augmented = SMatrix::<f64, 11, 11>::zeros();
+    augmented
+        .fixed_view_mut::<10, 10>(0, 0)
+        .copy_from(&plane_matrix(plane, gains));
+    augmented[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
+    augmented[(FILTERED, 10)] = plane.filter_pole;
+    let advance = (augmented * sample_s).exp();
+    let mut state = nalgebra::SVector::<f64, 11>::zeros();
+    state[10] = command_rad;
+    let mut response = vec![[0.0; 2]];
+    for _ in 0..samples {
+        state = advance * state;
+        response.push([state[THETA], state[ETA]]);
+    }
+    response
+}
+
+/// Eigenvalues, by increasing natural frequency, the positive imaginary part of a pair
+/// first. Empty if the matrix has a non-finite entry or the QR iteration gives up.
+#[must_use]
+pub fn roots<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Root> {
+    if matrix.iter().any(|v| !v.is_finite()) {
+        return Vec::new();
+    }
+    // Bounded, so that no matrix can keep the iteration going for ever.
+    const ITERATIONS: usize = 10_000;
+    let dynamic = DMatrix::from_column_slice(N, N, matrix.as_slice());
+    let Some(schur) = dynamic.try_schur(f64::EPSILON, ITERATIONS) else {
+        return Vec::new();
+    };
+    let mut roots: Vec<Root> = schur
+        .complex_eigenvalues()
+        .iter()
+        .map(|s| Root {
+            real: s.re,
+            imaginary: s.im,
+        })
+        .collect();
+    roots.sort_by(|a, b| {
+        a.frequency_radps()
+            .total_cmp(&b.frequency_radps())
+            .then(b.imaginary.total_cmp(&a.imaginary))
+    });
+    roots
+}
+
+/// Roots of a plane that matter for judging it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneRoots {
+    /// The attitude oscillation: least damped pair below half the bending frequency.
+    pub attitude: Option<Root>,
+    /// The bending mode: the pair nearest to its natural frequency.
+    pub bending: Option<Root>,
+    /// The real root or pair farthest to the right of all.
+    pub rightmost: Option<Root>,
+}
+
+/// Picks the attitude and bending roots.
+#[must_use]
+pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
+    let all = roots(&plane_matrix(plane, gains));
+    let bending_frequency = plane.bending_spring.sqrt();
+    let pairs = || all.iter().copied().filter(|r| r.imaginary > 0.0);
+    // The drift root is slow; a pair below 0.5 rad/s is drift, not attitude.
+    const DRIFT_RADPS: f64 = 0.5;
+    PlaneRoots {
+        attitude: pairs()
+            .filter(|r| {
+                r.frequency_radps() > DRIFT_RADPS && r.frequency_radps() < bending_frequency / 2.0
+            })
+            .min_by(|a, b| a.damping().total_cmp(&b.damping())),
+        bending: pairs().min_by(|a, b| {
+            let off = |r: &Root| (r.imaginary - bending_frequency).abs();
+            off(a).total_cmp(&off(b))
+        }),
+        rightmost: all.iter().copied().max_by(|a, b| a.real.total_cmp(&b.real)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::slice;
+    use crate::study::short_period::coefficients::{Disturbance, PitchSettings, YawRollInitial};
+    use crate::study::short_period::metrics::{Window, oscillation};
+    use crate::study::short_period::point::FrozenPoint;
+    use crate::study::short_period::reference::{self, Grid};
+    use crate::vehicle::Vehicle;
+
+    fn frozen(times_s: &[f64]) -> Vec<FrozenPoint> {
+        let vehicle = Vehicle::shipped().unwrap();
+        let wanted: Vec<(&str, f64)> = times_s.iter().map(|&t| ("", t)).collect();
+        slice::points(&vehicle, &wanted)
+            .unwrap()
+            .iter()
+            .map(|s| FrozenPoint::new(&vehicle, s, &s.settings.gains))
+            .collect()
+    }
+
+    fn plane(point: &FrozenPoint) -> Plane {
+        Plane::new(point, &Disturbance::NONE)
+    }
+
+    /// Figures of an independent prototype, each to half a unit of its last digit.
+    #[test]
+    fn thrust_vector_roots_are_those_of_the_independent_prototype() {
+        let points = frozen(&[2.0, 20.0, 32.5, 40.0]);
+        for (point, frequency, damping) in [(&points[1], 2.91, 0.084), (&points[2], 3.15, 0.085)] {
+            let root = plane_roots(&plane(point), ChannelGains::TVC_ONLY)
+                .attitude
+                .unwrap();
+            assert!(
+                (root.frequency_radps() - frequency).abs() <= 0.005,
+                "{root:?}"
+            );
+            assert!((root.damping() - damping).abs() <= 0.0005, "{root:?}");
+        }
+        // The pole slowed to 1 rad/s.
+        for (point, damping) in [
+            (&points[0], -0.05),
+            (&points[1], -0.27),
+            (&points[2], -0.33),
+        ] {
+            let slow = FrozenPoint {
+                tvc_time_constant_s: 1.0,
+                ..*point
+            };
+            let root = plane_roots(&plane(&slow), ChannelGains::TVC_ONLY)
+                .attitude
+                .unwrap();
+            assert!((root.damping() - damping).abs() <= 0.005, "{root:?}");
+        }
+        // The time constant shortened to 0.005 s lets the bending mode grow.
+        for (point, damping) in [(&points[0], -0.025), (&points[3], -0.001)] {
+            let fast = FrozenPoint {
+                tvc_time_constant_s: 0.005,
+                ..*point
+            };
+            let root = plane_roots(&plane(&fast), ChannelGains::TVC_ONLY)
+                .bending
+                .unwrap();
+            assert!((root.damping() - damping).abs() <= 0.0005, "{root:?}");
+        }
+        // Both channels at 20 s without TVC: the loop that sampling is measured on.
+        let root = plane_roots(&plane(&points[1]), ChannelGains::FTC_ONLY)
+            .attitude
+            .unwrap();
+        assert!((root.damping() - 0.872).abs() <= 0.0005, "{root:?}");
+    }
+
+    /// In its linear range the reference must follow the matrix exponential, which
+    /// shares no integration with it.
+    #[test]
+    fn reference_and_matrix_exponential_agree_in_the_linear_range() {
+        let grid = Grid {
+            samples: 300,
+            sample_s: 0.02,
+            steps: 20,
+        };
+        let points = frozen(&[7.5, 20.0]);
+        let cases = [
+            // Thrust vector alone, no dead zone: 4.5 kN/deg · 2° stays below 15 kN.
+            (&points[0], ChannelGains::TVC_ONLY, 2.0_f64.to_radians()),
+            // Tips alone: 0.1° stays inside the dead zone, 0.8° of tip inside its travel.
+            (&points[1], ChannelGains::FTC_ONLY, 0.1_f64.to_radians()),
+        ];
+        for (point, gains, command) in cases {
+            let settings = PitchSettings::new(point, &Disturbance::NONE, command);
+            let run = reference::pitch(&settings, &grid);
+            let exact = step_response(&settings.plane, gains, command, 0.02, 300);
+            for (i, row) in exact.iter().enumerate() {
+                // RK4 at 1 ms: (100 rad/s · 1 ms)⁵/120 a step on the gyro's fast motion,
+                // which dies out in 0.1 s: below 1e-7 · 100 steps of the step.
+                let bound = 1e-5 * command;
+                assert!(
+                    (run.theta_rad()[i] - row[0]).abs() < bound,
+                    "θ at sample {i}"
+                );
+                assert!((run.eta_m()[i] - row[1]).abs() < bound, "η at sample {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn measured_bending_decay_is_that_of_the_eigenvalue() {
+        let grid = Grid {
+            samples: 1200,
+            sample_s: 0.01,
+            steps: 10,
+        };
+        let points = frozen(&[7.5, 20.0]);
+        for (point, gains) in [
+            (&points[0], ChannelGains::TVC_ONLY),
+            // After the transient the error is inside the dead zone.
+            (&points[1], ChannelGains::FTC_ONLY),
+        ] {
+            let settings = PitchSettings::new(point, &Disturbance::NONE, 2.0_f64.to_radians());
+            let run = reference::pitch(&settings, &grid);
+            let period = std::f64::consts::TAU / point.bending_frequency_radps;
+            let window = Window {
+                from_s: 4.0,
+                to_s: 9.0,
+            };
+            let found = oscillation(run.eta_m(), 0.01, period, window).unwrap();
+            let root = plane_roots(&settings.plane, gains).bending.unwrap();
+            // What the estimator is good for (see its own test).
+            assert!(
+                (found.frequency_radps / root.frequency_radps() - 1.0).abs() < 2e-3,
+                "{found:?} {root:?}"
+            );
+            assert!(
+                (found.damping / root.damping() - 1.0).abs() < 0.03,
+                "{found:?} {root:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn roll_loop_is_stable_and_a_sign_error_would_show() {
+        let point = &frozen(&[32.5])[0];
+        let initial = YawRollInitial {
+            yaw_rad: 0.0,
+            yaw_rate_radps: 0.0,
+            roll_rad: 0.0,
+            roll_rate_radps: 0.0,
+        };
+        let settings = YawRollSettings::new(point, &Disturbance::NONE, initial, false);
+        let rightmost = |s: &YawRollSettings| {
+            roots(&roll_matrix(s))
+                .iter()
+                .map(|r| r.real)
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        assert!(rightmost(&settings) < -0.5);
+        let reversed = YawRollSettings {
+            roll_lead: -settings.roll_lead,
+            ..settings
+        };
+        assert!(rightmost(&reversed) > 0.0);
+    }
+
+    #[test]
+    fn dead_zone_gain_rises_from_nothing_to_one() {
+        assert_eq!(dead_zone_gain(1.0, 0.5), 0.0);
+        assert_eq!(dead_zone_gain(1.0, 1.0), 0.0);
+        // ρ = ½: 1 − (2/π)(π/6 + ½·√3/2) = 1 − 1/3 − √3/(2π).
+        let half = 2.0 / 3.0 - 3.0_f64.sqrt() / std::f64::consts::TAU;
+        assert!((dead_zone_gain(1.0, 2.0) - half).abs() < 1e-15);
+        assert!((dead_zone_gain(0.0, 2.0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_non_finite_matrix_has_no_roots() {
+        let mut plane = plane(&frozen(&[20.0])[0]);
+        plane.aero_moment = f64::NAN;
+        assert!(roots(&plane_matrix(&plane, ChannelGains::BOTH)).is_empty());
+        assert_eq!(plane_roots(&plane, ChannelGains::BOTH).attitude, None);
+    }
+}

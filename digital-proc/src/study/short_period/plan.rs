@@ -1,0 +1,506 @@
+//! From a study and a vehicle to the list of runs.
+//!
+//! Finds each point on the nominal flight, freezes it, applies every condition and
+//! lists the runs of both loops with their settings. The plan is pure data: whoever
+//! runs it (the hybrid machine or the reference) answers run by run in its order.
+//! A run is left out where its condition cannot apply (no interval before the
+//! first, no fin tips) or changes nothing.
+
+use super::coefficients::{Disturbance, PitchSettings, YawRollInitial, YawRollSettings};
+use super::point::FrozenPoint;
+use super::quantity::QUANTITIES;
+use super::study_file::{Condition, Event, GainSource, How, Place, Study, StudyError};
+use crate::gain_schedule::{GainSchedule, LoopGains};
+use crate::slice::{self, SlicePoint};
+use crate::study::fault::{FileFault, Source};
+use crate::vehicle::Vehicle;
+
+/// Sampling interval at which events of the flight are first looked for, s.
+const COARSE_S: f64 = 0.1;
+/// Interval to which they are then refined, s.
+const FINE_S: f64 = 0.001;
+
+/// All runs of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Duration of a run, s.
+    pub duration_s: f64,
+    /// Sampling interval, s.
+    pub sample_s: f64,
+    /// Step command of the pitch test, rad.
+    pub step_rad: f64,
+    /// The points in the study's order.
+    pub points: Vec<PlannedPoint>,
+    /// The conditions in the study's order: name and title.
+    pub conditions: Vec<Condition>,
+    /// Pitch runs.
+    pub pitch: Vec<PitchCase>,
+    /// Yaw–roll runs.
+    pub yaw_roll: Vec<YawRollCase>,
+}
+
+/// A point found on the flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedPoint {
+    /// Name.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    /// Its slice of the flight.
+    pub slice: SlicePoint,
+}
+
+/// One pitch run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PitchCase {
+    /// Index of the point.
+    pub point: usize,
+    /// Index of the condition.
+    pub condition: usize,
+    /// With misalignment and gust, or without (for the overshoot).
+    pub disturbed: bool,
+    /// The point as the condition leaves it.
+    pub frozen: FrozenPoint,
+    /// Settings of the patch.
+    pub settings: PitchSettings,
+}
+
+/// One yaw–roll run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct YawRollCase {
+    /// Index of the point.
+    pub point: usize,
+    /// Index of the condition.
+    pub condition: usize,
+    /// The point as the condition leaves it.
+    pub frozen: FrozenPoint,
+    /// Settings of the patch, with the allocation of the tips.
+    pub settings: YawRollSettings,
+}
+
+impl Plan {
+    /// Plans a study on a vehicle.
+    pub fn new(study: &Study, vehicle: &Vehicle) -> Result<Plan, StudyError> {
+        let times = times(study, vehicle)?;
+        let wanted: Vec<(&str, f64)> = study
+            .points
+            .iter()
+            .zip(&times)
+            .map(|(point, &time)| (point.name.as_str(), time))
+            .collect();
+        let slices = flight(vehicle, &wanted)?;
+        let points: Vec<PlannedPoint> = study
+            .points
+            .iter()
+            .zip(slices)
+            .map(|(point, slice)| PlannedPoint {
+                name: point.name.clone(),
+                title: point.title.clone(),
+                slice,
+            })
+            .collect();
+        let mut plan = Plan {
+            duration_s: study.duration_s,
+            sample_s: f64::from(study.sample_ms) / 1000.0,
+            step_rad: study.pitch.step_deg.to_radians(),
+            points,
+            conditions: study.conditions.clone(),
+            pitch: Vec::new(),
+            yaw_roll: Vec::new(),
+        };
+        plan.list_runs(study, vehicle);
+        Ok(plan)
+    }
+
+    /// Number of samples after the one at zero.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        (self.duration_s / self.sample_s).round() as usize
+    }
+
+    fn list_runs(&mut self, study: &Study, vehicle: &Vehicle) {
+        let pitch_test = Disturbance {
+            misalignment: study.pitch.misalignment,
+            gust: study.pitch.gust,
+            cant: 0.0,
+        };
+        let test = &study.yaw_roll;
+        let yaw_roll_test = Disturbance {
+            misalignment: test.misalignment,
+            gust: test.gust,
+            cant: test.cant,
+        };
+        let initial = YawRollInitial {
+            yaw_rad: test.yaw_deg.to_radians(),
+            yaw_rate_radps: test.yaw_rate_dps.to_radians(),
+            roll_rad: test.roll_deg.to_radians(),
+            roll_rate_radps: test.roll_rate_dps.to_radians(),
+        };
+        let unchanged: Vec<FrozenPoint> = self
+            .points
+            .iter()
+            .map(|p| FrozenPoint::new(vehicle, &p.slice, &p.slice.settings.gains))
+            .collect();
+        for (condition, entry) in self.conditions.iter().enumerate() {
+            let changes_something = entry.is_a_change();
+            for (point, planned) in self.points.iter().enumerate() {
+                if entry
+                    .points
+                    .as_ref()
+                    .is_some_and(|names| !names.contains(&planned.name))
+                {
+                    continue;
+                }
+                let Some(frozen) = entry.freeze(vehicle, &planned.slice) else {
+                    continue;
+                };
+                let has_ftc = unchanged[point].ftc_gain != 0.0;
+                if (entry.needs_ftc && !has_ftc)
+                    || (changes_something && frozen == unchanged[point])
+                {
+                    continue;
+                }
+                if entry.pitch {
+                    let mut add = |disturbed: bool, disturbance: &Disturbance| {
+                        self.pitch.push(PitchCase {
+                            point,
+                            condition,
+                            disturbed,
+                            frozen,
+                            settings: PitchSettings::new(&frozen, disturbance, self.step_rad),
+                        });
+                    };
+                    add(true, &pitch_test);
+                    if entry.overshoot {
+                        add(false, &Disturbance::NONE);
+                    }
+                }
+                // Without fin tips nothing controls roll: there is no loop to study.
+                if entry.yaw_roll && has_ftc {
+                    let mut add = |dedicated: bool| {
+                        self.yaw_roll.push(YawRollCase {
+                            point,
+                            condition,
+                            frozen,
+                            settings: YawRollSettings::new(
+                                &frozen,
+                                &yaw_roll_test,
+                                initial,
+                                dedicated,
+                            ),
+                        });
+                    };
+                    add(false);
+                    if entry.dedicated {
+                        add(true);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Condition {
+    fn is_a_change(&self) -> bool {
+        !self.changes.is_empty()
+            || self.gains != GainSource::Scheduled
+            || self.gyro_station_m.is_some()
+    }
+
+    /// The point as this condition leaves it; `None` where it cannot apply.
+    #[must_use]
+    pub fn freeze(&self, vehicle: &Vehicle, slice: &SlicePoint) -> Option<FrozenPoint> {
+        let gains = self.gains.at(vehicle, slice.time_s)?;
+        let mut frozen = FrozenPoint::new(vehicle, slice, &gains);
+        if let Some(station_m) = self.gyro_station_m {
+            frozen.gyro_slope_pm = vehicle.gyro_slope_at_station(station_m).value;
+        }
+        for change in &self.changes {
+            let value = match change.how {
+                How::Times(factor) => change.quantity.get(&frozen) * factor,
+                How::Set(value) => value,
+            };
+            change.quantity.set(&mut frozen, value);
+        }
+        QUANTITIES
+            .iter()
+            .all(|q| q.range.contains(q.get(&frozen)))
+            .then_some(frozen)
+    }
+}
+
+impl GainSource {
+    /// Gains at a flight time; `None` if there is no such interval.
+    #[must_use]
+    pub fn at(self, vehicle: &Vehicle, time_s: f64) -> Option<LoopGains> {
+        let designed = vehicle.designed_schedule();
+        match self {
+            GainSource::Scheduled => Some(designed.at(time_s)),
+            GainSource::Reduced => Some(vehicle.reduced_schedule().at(time_s)),
+            GainSource::StuckAt(stuck_s) => Some(designed.stuck_at(time_s, stuck_s)),
+            GainSource::PreviousInterval => {
+                let now = interval(designed, time_s);
+                now.checked_sub(1).map(|i| designed.gains()[i])
+            }
+            GainSource::NextInterval => {
+                let now = interval(designed, time_s);
+                designed.gains().get(now + 1).copied()
+            }
+        }
+    }
+}
+
+/// Index of the interval in force.
+fn interval(schedule: &GainSchedule, time_s: f64) -> usize {
+    let begun = schedule.switch_time_s().partition_point(|&t| t <= time_s);
+    begun.max(1) - 1
+}
+
+fn flight(vehicle: &Vehicle, wanted: &[(&str, f64)]) -> Result<Vec<SlicePoint>, StudyError> {
+    slice::points(vehicle, wanted).map_err(|error| StudyError::Flight(error.to_string()))
+}
+
+fn times(study: &Study, vehicle: &Vehicle) -> Result<Vec<f64>, StudyError> {
+    let burn_time_s = vehicle.data().mass.burn_time_s;
+    let coarse = grid(vehicle, 0.0, burn_time_s, COARSE_S)?;
+    let source = Source {
+        file: &study.file,
+        text: &study.text,
+    };
+    let mut faults: Vec<FileFault> = Vec::new();
+    let mut times = Vec::with_capacity(study.points.len());
+    for point in &study.points {
+        let found = match point.at {
+            Place::Time(time) => Ok(time),
+            Place::Event(event) => event_time(vehicle, &coarse, event)?,
+            Place::Mach(mach) => mach_time(vehicle, &coarse, mach)?,
+            Place::GainSwitch(number) => switch_time(vehicle, number),
+        };
+        let time = found.map(|t| t + point.offset_s).and_then(|t| {
+            if (0.0..=burn_time_s).contains(&t) {
+                Ok(t)
+            } else {
+                Err((
+                    format!("the point lies at {t} s"),
+                    format!("give a place from 0 to burn-out at {burn_time_s} s"),
+                ))
+            }
+        });
+        match time {
+            Ok(time) => times.push(time),
+            Err((fault, remedy)) => {
+                let fault = format!("point `{}`: {fault}", point.name);
+                faults.push(source.fault(point.span.clone(), fault, remedy));
+            }
+        }
+    }
+    if faults.is_empty() {
+        Ok(times)
+    } else {
+        Err(StudyError::Faults(faults))
+    }
+}
+
+/// A time, or what is wrong and what to do.
+type Found = Result<f64, (String, String)>;
+
+fn switch_time(vehicle: &Vehicle, number: usize) -> Found {
+    let switches = vehicle.designed_schedule().switch_time_s();
+    switches
+        .get(number)
+        .copied()
+        .filter(|_| number > 0)
+        .ok_or_else(|| {
+            (
+                format!("there is no gain switching {number}"),
+                format!(
+                    "the schedule switches {} times, counted from 1",
+                    switches.len().saturating_sub(1)
+                ),
+            )
+        })
+}
+
+fn event_time(vehicle: &Vehicle, coarse: &[SlicePoint], event: Event) -> Result<Found, StudyError> {
+    let programme = &vehicle.data().pitch_programme;
+    Ok(match event {
+        Event::PitchInitiation => programme
+            .node_time_s
+            .first()
+            .copied()
+            .ok_or_else(no_programme),
+        Event::MaxPitchRate => programme
+            .rate_dps
+            .iter()
+            .zip(programme.node_time_s.windows(2))
+            .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+            .map(|(_, nodes)| (nodes[0] + nodes[1]) / 2.0)
+            .ok_or_else(no_programme),
+        Event::FtcOn => Ok(vehicle.data().ftc.on_time_s),
+        Event::BurnOut => Ok(vehicle.data().mass.burn_time_s),
+        Event::MaxQ => {
+            let peak = greatest_q(coarse);
+            let last = vehicle.data().mass.burn_time_s;
+            let from = (peak - COARSE_S).max(0.0);
+            let to = (peak + COARSE_S).min(last);
+            Ok(greatest_q(&grid(vehicle, from, to, FINE_S)?))
+        }
+    })
+}
+
+fn no_programme() -> (String, String) {
+    (
+        "the pitch programme is empty".to_owned(),
+        "give the point by time".to_owned(),
+    )
+}
+
+fn greatest_q(points: &[SlicePoint]) -> f64 {
+    points
+        .iter()
+        .max_by(|a, b| {
+            let q = |p: &SlicePoint| p.airframe.dynamic_pressure_pa;
+            q(a).total_cmp(&q(b))
+        })
+        .map_or(0.0, |p| p.time_s)
+}
+
+fn mach_time(vehicle: &Vehicle, coarse: &[SlicePoint], mach: f64) -> Result<Found, StudyError> {
+    let reached = |points: &[SlicePoint]| points.iter().position(|p| p.airframe.mach >= mach);
+    let Some(index) = reached(coarse) else {
+        let greatest = coarse.iter().fold(0.0_f64, |m, p| m.max(p.airframe.mach));
+        return Ok(Err((
+            format!("the flight does not reach Mach {mach}"),
+            format!("its greatest Mach number is {greatest:.2}"),
+        )));
+    };
+    let from = coarse[index.saturating_sub(1)].time_s;
+    let fine = grid(vehicle, from, coarse[index].time_s, FINE_S)?;
+    // The end of the fine grid is the coarse point at which it was reached.
+    Ok(Ok(
+        reached(&fine).map_or(coarse[index].time_s, |i| fine[i].time_s)
+    ))
+}
+
+fn grid(
+    vehicle: &Vehicle,
+    from_s: f64,
+    to_s: f64,
+    every_s: f64,
+) -> Result<Vec<SlicePoint>, StudyError> {
+    // Times are multiples of the interval, so that a refined event is a round number.
+    let first = (from_s / every_s).round() as u64;
+    let last = (to_s / every_s).round() as u64;
+    let per_second = (1.0 / every_s).round();
+    let wanted: Vec<(&str, f64)> = (first..=last)
+        .map(|i| ("", i as f64 / per_second))
+        .collect();
+    flight(vehicle, &wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::short_period::study_file::SHIPPED_TEXT;
+
+    fn plan(text: &str) -> Result<Plan, StudyError> {
+        Plan::new(
+            &Study::from_toml("user.toml", text)?,
+            &Vehicle::shipped().unwrap(),
+        )
+    }
+
+    #[test]
+    fn events_are_found_on_the_flight() {
+        let plan = plan(SHIPPED_TEXT).unwrap();
+        let at = |name: &str| {
+            let point = plan.points.iter().find(|p| p.name == name).unwrap();
+            (point.slice.time_s, &point.slice.airframe)
+        };
+        for (name, time_s) in [
+            ("vertical-rise", 2.0),
+            ("pitch-initiation", 4.0),
+            ("max-pitch-rate", 7.5),
+            ("ftc-switch-in", 17.0),
+            ("gain-25", 25.0),
+            ("burn-out", 47.0),
+        ] {
+            assert_eq!(at(name).0, time_s, "{name}");
+        }
+        // Within one refined interval: 1 ms of flight is 3e-5 of Mach number here.
+        let mach = at("transonic").1.mach;
+        assert!((1.05..1.0501).contains(&mach), "{mach}");
+        // The data set's neighbouring points are at 30 and 35 s.
+        assert!((31.0..34.0).contains(&at("max-q").0));
+        let peak = at("max-q").1.dynamic_pressure_pa;
+        assert!(
+            plan.points
+                .iter()
+                .all(|p| p.slice.airframe.dynamic_pressure_pa <= peak)
+        );
+    }
+
+    #[test]
+    fn runs_that_cannot_differ_are_left_out() {
+        let plan = plan(SHIPPED_TEXT).unwrap();
+        let runs = |condition: &str| -> Vec<&str> {
+            let index = plan
+                .conditions
+                .iter()
+                .position(|c| c.name == condition)
+                .unwrap();
+            plan.pitch
+                .iter()
+                .filter(|c| c.condition == index && c.disturbed)
+                .map(|c| plan.points[c.point].name.as_str())
+                .collect()
+        };
+        assert_eq!(runs("normal").len(), plan.points.len());
+        assert!(!runs("ftc-gain-lost").contains(&"vertical-rise"));
+        // Before its first switching the sequencer has nothing to keep; at 17.5 s it is not
+        // yet stuck, so that the condition begins at 20 s.
+        assert_eq!(runs("gains-not-switched")[0], "gain-10");
+        assert_eq!(runs("sequencer-stuck")[0], "gain-20");
+        assert!(!runs("gains-early").contains(&"burn-out"));
+        // No fin tips, no roll control.
+        assert!(plan.yaw_roll.iter().all(|c| c.frozen.time_s >= 17.0));
+    }
+
+    #[test]
+    fn a_user_adds_a_point_and_a_condition() {
+        let text = format!(
+            "{SHIPPED_TEXT}\n[[point]]\nname = \"mach-two\"\nat = {{ mach = 2.0 }}\n\
+             [[condition]]\nname = \"weak-motor\"\npoints = [\"mach-two\"]\nloops = [\"pitch\"]\n\
+             change = [{{ quantity = \"thrust\", times = 0.9 }}, {{ quantity = \"dead-zone\", set = 0.5 }}]\n"
+        );
+        let plan = plan(&text).unwrap();
+        let case = plan.pitch.last().unwrap();
+        assert_eq!(plan.points[case.point].name, "mach-two");
+        // 0.5 deg in rad, one rounding each way.
+        assert!((case.settings.plane.dead_zone.to_degrees() - 0.5).abs() < 1e-15);
+        assert_eq!(
+            case.frozen.thrust_n,
+            0.9 * plan.points[case.point].slice.airframe.thrust_n
+        );
+        assert!(plan.yaw_roll.iter().all(|c| c.condition != case.condition));
+    }
+
+    #[test]
+    fn places_that_the_flight_lacks_are_reported_with_their_lines() {
+        let text = "[run]\nduration-s = 1.0\nsample-ms = 10\n\
+            [pitch]\nstep-deg = 2.0\nmisalignment = 1.0\ngust = 1.0\n\
+            [yaw-roll]\nyaw-deg = 1.0\nyaw-rate-dps = 0.0\nroll-deg = 1.0\nroll-rate-dps = 0.0\n\
+            misalignment = 0.0\ngust = 0.0\ncant = 0.0\n\
+            [[point]]\nname = \"a\"\nat = { mach = 9.0 }\n\
+            [[point]]\nname = \"b\"\nat = { gain-switch = 8 }\n\
+            [[point]]\nname = \"c\"\nat = { time-s = 60.0 }\n";
+        let Err(StudyError::Faults(faults)) = plan(text) else {
+            panic!("accepted");
+        };
+        let lines: Vec<_> = faults.iter().map(|f| f.place.unwrap().0).collect();
+        assert_eq!(lines, [18, 21, 24]);
+        assert!(faults[0].to_string().contains("does not reach Mach 9"));
+        assert!(faults[1].to_string().contains("switches 7 times"));
+        assert!(faults[2].to_string().contains("burn-out at 49"));
+    }
+}
