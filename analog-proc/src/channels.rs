@@ -15,7 +15,11 @@ use interface::{
     coefficient::CoefficientUnit,
     control::{Channel, ChannelKind},
     converter::Converter,
+<<<<<<< HEAD
     frame::{Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
+=======
+    frame::{Edge, Samples, Transfer, Updates},
+>>>>>>> main
     hold::Hold,
     profile::Profile,
 };

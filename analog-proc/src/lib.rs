@@ -25,3 +25,4 @@ pub mod record;
 pub mod serve;
 pub mod simulation;
 pub mod static_check;
+pub mod tolerance;

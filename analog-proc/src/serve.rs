@@ -11,6 +11,7 @@ use crate::{
     patch,
     simulation::Simulation,
     static_check::static_check,
+    tolerance,
 };
 use interface::{
     Tick,
@@ -222,8 +223,9 @@ impl Loaded {
         ics: Vec<(String, f64)>,
         profile: Profile,
     ) -> Result<Loaded, String> {
-        let ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
+        let mut ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
         crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
+        tolerance::apply(&mut ordered, profile.component_error());
         let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
         let mut loaded = Loaded {

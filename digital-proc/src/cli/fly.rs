@@ -14,6 +14,7 @@ use crate::{
         flight::{FlightContext, flight_report},
     },
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
+    saturation::Saturations,
     study::failure_file::FailureFile,
     vehicle::Vehicle,
     wind::{Wind, WindDirection},
@@ -131,10 +132,10 @@ impl Fly {
             .map_err(Failure::input)?;
         let stop_s = plan.stop.secs();
         let mut progress = Progress::new(stop_s as u64, "s of flight");
-        let mut samples = Vec::with_capacity(1 << 12);
+        let mut saturations = Saturations::default();
         let flown = flight::fly(&mut console, &vehicle, &plan, |frame, result| {
             progress.at(result.sample.time_s as u64);
-            samples.push(result.sample);
+            saturations.note(frame);
             rows.push(frame.tick, &trace::row(frame, result))
                 .map_err(|e| FlightFault::Observer(e.to_string()))
         });
@@ -145,6 +146,7 @@ impl Fly {
         let summary = flown.map_err(|fault| keep(fault.into()))?;
         closed.map_err(Failure::input)?;
         let overloads = console.diagnose()?.overloads;
+        let saturated = saturations.names(console.channels());
         console.bye()?;
         drop(machine);
 
@@ -166,6 +168,9 @@ impl Fly {
                     "overload: {} at {:.4} s ({:.4})",
                     o.block, o.time_s, o.value
                 );
+            }
+            if !saturated.is_empty() {
+                println!("saturated: {}", saturated.join(", "));
             }
             for (table, edge) in summary.edges.iter() {
                 println!(
