@@ -133,7 +133,9 @@ impl Pacing {
         let mut sorted = self.latencies.clone();
         sorted.sort_unstable();
         let last = sorted.len().checked_sub(1)?;
-        sorted.get((part.clamp(0.0, 1.0) * last as f64).ceil() as usize).copied()
+        sorted
+            .get((part.clamp(0.0, 1.0) * last as f64).ceil() as usize)
+            .copied()
     }
 
     /// For machines: counts, quantiles of the latency in seconds, and every overrun.
@@ -144,7 +146,9 @@ impl Pacing {
             .overruns
             .iter()
             .map(|overrun| match overrun.late {
-                Late::Samples(by) => json!({"frame": overrun.frame, "late": "samples", "by_s": by.secs()}),
+                Late::Samples(by) => {
+                    json!({"frame": overrun.frame, "late": "samples", "by_s": by.secs()})
+                }
                 Late::Updates(by) => {
                     json!({"frame": overrun.frame, "late": "updates", "by_s": by.map(Tick::secs)})
                 }
@@ -198,7 +202,11 @@ mod tests {
         tell(3, RunState::Operate, 0, &[(1, 2_300), (2, 2_400)]);
         tell(4, RunState::Operate, 0, &[]);
         tell(5, RunState::Ended, 0, &[]);
-        let frames: Vec<(u64, Late)> = pacing.overruns().iter().map(|o| (o.frame, o.late)).collect();
+        let frames: Vec<(u64, Late)> = pacing
+            .overruns()
+            .iter()
+            .map(|o| (o.frame, o.late))
+            .collect();
         assert_eq!(
             frames,
             [

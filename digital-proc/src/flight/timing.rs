@@ -68,7 +68,8 @@ impl TransferLog {
     /// # Errors
     /// [`OutOfOrder`] for the first that does not follow its forerunner.
     pub fn new(transfers: Vec<Transfer>) -> Result<TransferLog, OutOfOrder> {
-        let follows = |pair: &[Transfer]| pair[0].frame < pair[1].frame && pair[0].tick <= pair[1].tick;
+        let follows =
+            |pair: &[Transfer]| pair[0].frame < pair[1].frame && pair[0].tick <= pair[1].tick;
         match transfers.windows(2).position(|pair| !follows(pair)) {
             None => Ok(TransferLog { transfers }),
             Some(before) => {
