@@ -12,6 +12,7 @@ pub mod draw;
 mod event;
 pub mod fault;
 pub mod frame_cycle;
+mod free_run;
 mod integrate;
 pub mod machine;
 pub mod mode;
