@@ -14,6 +14,7 @@ use crate::{
         flight::{FlightContext, flight_report},
     },
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
+    study::failure_file::FailureFile,
     vehicle::Vehicle,
     wind::{Wind, WindDirection},
 };
@@ -27,10 +28,13 @@ const BATCH_ROWS: usize = 64;
 /// Fly the first stage from lift-off to burn-out.
 #[derive(clap::Args)]
 pub struct Fly {
-    /// Mode of operation; a failure acts from --failure-at on
-    #[arg(long, value_parser = flight_mode, default_value = "normal", value_name = "MODE",
-          help = format!("Mode of operation: {}", FlightMode::ALL.map(FlightMode::name).join(", ")))]
-    mode: FlightMode,
+    /// Mode of operation
+    #[arg(long, default_value = "normal", value_name = "MODE",
+          help = format!("Mode of operation: {}, or one of --failures", FlightMode::ALL.map(FlightMode::name).join(", ")))]
+    mode: String,
+    /// Failure file of your own that scripts the modes [default: the shipped one]
+    #[arg(long, value_name = "FILE")]
+    failures: Option<PathBuf>,
     /// Trajectory step, the slow frame of the digital side
     #[arg(long, default_value = "100ms", value_name = "TIME")]
     frame: Tick,
@@ -68,7 +72,7 @@ pub struct Fly {
     /// Wind and misalignments of the vehicle's design case for failure modes
     #[arg(long, conflicts_with_all = ["wind", "misalign_pitch", "misalign_yaw"])]
     design_case: bool,
-    /// When a failure mode begins
+    /// No failure of the mode acts before this
     #[arg(long, default_value = "0s", value_name = "TIME")]
     failure_at: Tick,
     /// How the angle of attack reaches the rotational equations
@@ -102,20 +106,6 @@ enum AlphaName {
     Held,
 }
 
-fn flight_mode(text: &str) -> Result<FlightMode, String> {
-    FlightMode::from_name(text).ok_or_else(|| {
-        let names = FlightMode::ALL.map(FlightMode::name);
-        let nearest = names
-            .iter()
-            .min_by_key(|n| strsim::damerau_levenshtein(n, text));
-        format!(
-            "no such mode; did you mean `{}`? The modes are {}",
-            nearest.unwrap_or(&""),
-            names.join(", ")
-        )
-    })
-}
-
 impl Fly {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let vehicle = match &self.vehicle {
@@ -128,9 +118,8 @@ impl Fly {
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
 
-        let directory =
-            RunDirectory::create(&self.out, &format!("fly-{}", self.mode.name()), started)
-                .map_err(Failure::input)?;
+        let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)
+            .map_err(Failure::input)?;
         let keep = |failure: Failure| {
             failure.and(format!(
                 "what was recorded up to there is in {}",
@@ -196,7 +185,7 @@ impl Fly {
             ""
         };
         FlightContext {
-            title: format!("First-stage flight, mode {}{case}", self.mode.name()),
+            title: format!("First-stage flight, mode {}{case}", self.mode),
             lead: "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.".into(),
             q_alpha_limit_pa_rad: Some(vehicle.data().limits.q_alpha_padeg.to_radians()),
             marks: Vec::new(),
@@ -205,8 +194,19 @@ impl Fly {
 
     fn plan(&self, vehicle: &Vehicle) -> Result<FlightPlan, Failure> {
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let own = self
+            .failures
+            .as_deref()
+            .map(FailureFile::load)
+            .transpose()
+            .map_err(Failure::input)?;
+        let script = own
+            .as_ref()
+            .unwrap_or_else(|| FailureFile::shipped())
+            .mode(&self.mode)
+            .map_err(Failure::input)?;
         let mut case = if self.design_case {
-            FlightCase::design(vehicle, self.mode).map_err(Failure::input)?
+            FlightCase::design(vehicle, script).map_err(Failure::input)?
         } else {
             let wind = match self.wind {
                 WindName::None => Wind::Calm,
@@ -218,7 +218,7 @@ impl Fly {
                 }
             };
             FlightCase {
-                mode: self.mode,
+                script: script.clone(),
                 wind,
                 pitch_misalignment: self.misalign_pitch,
                 yaw_misalignment: self.misalign_yaw,
@@ -271,7 +271,7 @@ impl Fly {
     ) -> RunRecord {
         let mut parameters = toml::Table::new();
         let mut set = |name: &str, value: toml::Value| parameters.insert(name.to_owned(), value);
-        set("mode", self.mode.name().into());
+        set("mode", self.mode.as_str().into());
         set("frame", plan.step.to_string().into());
         set("fast", (self.fast as i64).into());
         set("latency", plan.latency.to_string().into());
@@ -279,6 +279,9 @@ impl Fly {
         set("stop", plan.stop.to_string().into());
         set("misalign-pitch", plan.case.pitch_misalignment.into());
         set("misalign-yaw", plan.case.yaw_misalignment.into());
+        if let Some(file) = &self.failures {
+            set("failures", file.display().to_string().into());
+        }
         set("failure-at", plan.case.failure_start_s.into());
         set("alpha", format!("{:?}", plan.alpha).to_lowercase().into());
         let wind = match self.wind {
@@ -296,7 +299,7 @@ impl Fly {
             (None, LinkName::Memory) => "memory",
         };
         RunRecord {
-            command: format!("fly {}", self.mode.name()),
+            command: format!("fly {}", self.mode),
             command_line: std::env::args().collect(),
             started: started.to_string(),
             profile: plan.profile.name.clone(),

@@ -22,7 +22,7 @@ use channels::StageChannels;
 use interface::{
     Tick,
     control::{Clock, PatchBundle, RunSpec},
-    frame::{Samples, Updates},
+    frame::{ModeCommand, Samples, Updates},
     profile::Profile,
 };
 use law::FlightLaw;
@@ -122,13 +122,76 @@ fn parameters(vehicle: &Vehicle) -> Vec<(String, f64)> {
     .into()
 }
 
-/// Flies `plan` and tells `observe` of every frame.
+/// The stage patch on the machine, with one vehicle's numbers set: many flights
+/// follow one another on it without a restart (rep-op).
+pub struct Stage<'v> {
+    vehicle: &'v Vehicle,
+    channels: StageChannels,
+}
+
+impl<'v> Stage<'v> {
+    /// Loads the shipped stage patch.
+    ///
+    /// # Errors
+    /// [`FlightFault::Console`]: the machine or its link.
+    pub fn load(
+        console: &mut Console<'_>,
+        vehicle: &'v Vehicle,
+        profile: &Profile,
+    ) -> Result<Stage<'v>, FlightFault> {
+        Stage::load_patch(console, vehicle, profile, stage_patch())
+    }
+
+    /// Loads a stage patch of the caller's, with the channels of the shipped one.
+    ///
+    /// # Errors
+    /// [`FlightFault::Console`]: the machine, its link, or a patch that lacks a channel.
+    pub fn load_patch(
+        console: &mut Console<'_>,
+        vehicle: &'v Vehicle,
+        profile: &Profile,
+        patch: PatchBundle,
+    ) -> Result<Stage<'v>, FlightFault> {
+        console.load(patch, parameters(vehicle), profile.clone())?;
+        Ok(Stage {
+            vehicle,
+            channels: StageChannels::resolve(console)?,
+        })
+    }
+
+    /// Flies `plan` (its profile was settled at loading) from initial conditions
+    /// and tells `observe` of every frame.
+    ///
+    /// # Errors
+    /// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
+    pub fn fly(
+        &self,
+        console: &mut Console<'_>,
+        plan: &FlightPlan,
+        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ) -> Result<FlightSummary, FlightFault> {
+        fly_loaded(console, self.vehicle, &self.channels, plan, observe)
+    }
+}
+
+/// Loads the stage patch, flies `plan` and tells `observe` of every frame.
 ///
 /// # Errors
 /// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
 pub fn fly(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
+    plan: &FlightPlan,
+    observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+) -> Result<FlightSummary, FlightFault> {
+    let stage = Stage::load(console, vehicle, &plan.profile)?;
+    stage.fly(console, plan, observe)
+}
+
+fn fly_loaded(
+    console: &mut Console<'_>,
+    vehicle: &Vehicle,
+    channels: &StageChannels,
     plan: &FlightPlan,
     mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
 ) -> Result<FlightSummary, FlightFault> {
@@ -140,8 +203,6 @@ pub fn fly(
             step: plan.step,
             fast_frames: plan.slow.fast_frames(),
         })?;
-    console.load(stage_patch(), parameters(vehicle), plan.profile.clone())?;
-    let channels = StageChannels::resolve(console)?;
     let make_law = || {
         FlightLaw::new(
             vehicle,
@@ -165,11 +226,25 @@ pub fn fly(
         clock: Clock::LockStep,
     };
     let mut monitor = FlightMonitor::new(vehicle);
-    console.operate(&spec, |samples: &Samples, updates: &mut Updates| {
-        let result = law.frame(samples, updates)?;
-        monitor.observe(&result.sample, result.edges);
-        observe(samples, &result)
+    let mut lost = None;
+    console.operate::<FlightFault>(&spec, |samples: &Samples, updates: &mut Updates| {
+        if lost.is_some() {
+            return Ok(());
+        }
+        let done = law.frame(samples, updates).and_then(|result| {
+            monitor.observe(&result.sample, result.edges);
+            observe(samples, &result)
+        });
+        if let Err(fault) = done {
+            // The analog run is ended in good order, so that the session can go on.
+            updates.mode = ModeCommand::End as u32;
+            lost = Some(fault);
+        }
+        Ok(())
     })?;
+    if let Some(fault) = lost {
+        return Err(fault);
+    }
     monitor
         .finish()
         .ok_or_else(|| FlightFault::Observer("the flight had no frame".into()))

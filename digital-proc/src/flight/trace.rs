@@ -53,11 +53,9 @@ const COLUMNS: [Reader; 34] = [
     ("normal_force_slope_n", "N/rad", |_, r| {
         r.airframe.normal_force_slope_nprad
     }),
-    ("ftc_gain", "", |_, r| r.settings.gains.ftc_gain),
+    ("ftc_gain", "", |_, r| r.settings.ftc_gain()[0]),
     ("ftc_lead_s", "s", |_, r| r.settings.gains.ftc_lead_s),
-    ("tvc_gain_n", "N/rad", |_, r| {
-        r.settings.gains.tvc_gain_nprad
-    }),
+    ("tvc_gain_n", "N/rad", |_, r| r.settings.tvc_gain_nprad()[0]),
     ("tvc_lead_s", "s", |_, r| r.settings.gains.tvc_lead_s),
     ("dead_zone_rad", "rad", |_, r| {
         r.settings.gains.dead_zone_rad
