@@ -61,7 +61,11 @@ fn every_short_period_claim_holds_on_the_machine() {
     let plan = plan(&[NORMAL, FTC_GAIN_LOST, TVC_SLOW, TVC_FAST]);
     let started = std::time::Instant::now();
     let claims = judged(&plan, &Patches::shipped());
-    println!("{} runs in {:?}", plan.pitch.len() + plan.yaw_roll.len(), started.elapsed());
+    println!(
+        "{} runs in {:?}",
+        plan.pitch.len() + plan.yaw_roll.len(),
+        started.elapsed()
+    );
     assert_eq!(claims.len(), 10);
     for claim in &claims {
         assert!(claim.holds(), "{claim}");
@@ -73,7 +77,11 @@ fn worst<const N: usize>(a: &Response<N>, b: &Response<N>, channel: usize) -> f6
     let pairs = || a.channel(channel).iter().zip(b.channel(channel));
     let scale = pairs().fold(0.0_f64, |s, (x, y)| s.max(x.abs()).max(y.abs()));
     let difference = pairs().fold(0.0_f64, |d, (x, y)| d.max((x - y).abs()));
-    if difference == 0.0 { 0.0 } else { difference / scale }
+    if difference == 0.0 {
+        0.0
+    } else {
+        difference / scale
+    }
 }
 
 #[test]
@@ -100,6 +108,9 @@ fn the_machine_follows_the_second_formulation_run_by_run() {
             compare(format!("yaw-roll run {n}, channel {c}"), worst(a, b, c));
         }
     }
-    println!("greatest difference {:e} of full range: {}", greatest.0, greatest.1);
+    println!(
+        "greatest difference {:e} of full range: {}",
+        greatest.0, greatest.1
+    );
     assert!(greatest.0 < 1e-2, "{greatest:?}");
 }

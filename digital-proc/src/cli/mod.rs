@@ -5,6 +5,8 @@
 
 mod failure;
 mod fly;
+mod short_period;
+mod study_input;
 
 pub use failure::Failure;
 
@@ -38,6 +40,8 @@ struct Cli {
 enum Command {
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
+    /// Study the control loops at frozen trajectory points, run after run in one session
+    ShortPeriod(short_period::ShortPeriod),
 }
 
 /// The link between the two sides.
@@ -105,6 +109,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
     };
     let done = match cli.command {
         Command::Fly(c) => c.execute(&context),
+        Command::ShortPeriod(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -13,6 +13,7 @@ mod gallery;
 mod page;
 pub mod plot;
 mod provenance;
+pub mod short_period;
 mod summary;
 mod table;
 mod theme;

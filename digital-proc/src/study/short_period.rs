@@ -9,12 +9,14 @@
 //! Only [`machine`] knows of the hybrid machine that runs the patches; nothing does
 //! file I/O but the readers of a study.
 
+pub mod agreement;
 pub mod claims;
 pub mod coefficients;
 pub mod linear;
 pub mod machine;
 pub mod measure;
 pub mod metrics;
+pub mod outcome;
 pub mod plan;
 pub mod point;
 pub mod quantity;

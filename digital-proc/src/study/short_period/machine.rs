@@ -132,7 +132,9 @@ pub fn run(
     let spec = spec(plan);
     if !plan.pitch.is_empty() {
         let bench = Bench::load(console, &patches.pitch, profile, PITCH_CHANNELS)?;
-        answers.patches.push(bench.identity(console, &patches.pitch));
+        answers
+            .patches
+            .push(bench.identity(console, &patches.pitch));
         for (number, case) in plan.pitch.iter().enumerate() {
             let (response, seen) = bench.run(console, plan.sample_s, &spec, case)?;
             answers.pitch.push(response);
