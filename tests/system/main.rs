@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod bench_top;
+mod case_study;
 mod determinism;
 mod faults;
 mod flight;

@@ -7,6 +7,8 @@ mod failure;
 mod fly;
 mod replay;
 mod runs;
+mod short_period;
+mod study_input;
 
 pub use failure::Failure;
 
@@ -48,6 +50,8 @@ enum Command {
     Export(runs::Export),
     /// Every column of a run against time, as one HTML page
     Plot(runs::Plot),
+    /// Study the control loops at frozen trajectory points, run after run in one session
+    ShortPeriod(short_period::ShortPeriod),
 }
 
 /// The link between the two sides.
@@ -140,6 +144,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         Command::List(c) => c.execute(),
         Command::Export(c) => c.execute(),
         Command::Plot(c) => c.execute(),
+        Command::ShortPeriod(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -14,6 +14,7 @@ pub mod pacing;
 mod page;
 pub mod plot;
 mod provenance;
+pub mod short_period;
 mod summary;
 mod table;
 mod theme;
