@@ -6,4 +6,5 @@ mod determinism;
 mod faults;
 mod flight;
 mod partition;
+mod sampling;
 mod sessions;
