@@ -5,6 +5,7 @@
 
 mod failure;
 mod fly;
+mod sampling;
 
 pub use failure::Failure;
 
@@ -38,6 +39,8 @@ struct Cli {
 enum Command {
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
+    /// The sampling laboratory: what an interface does to a loop, measured beside theory
+    Sampling(sampling::Sampling),
 }
 
 /// The link between the two sides.
@@ -105,6 +108,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
     };
     let done = match cli.command {
         Command::Fly(c) => c.execute(&context),
+        Command::Sampling(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
