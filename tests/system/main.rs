@@ -8,4 +8,5 @@ mod faults;
 mod flight;
 mod frame_cycle;
 mod partition;
+mod sampling;
 mod sessions;

@@ -9,6 +9,7 @@ mod replay;
 mod runs;
 mod short_period;
 mod study_input;
+mod sampling;
 
 pub use failure::Failure;
 
@@ -52,6 +53,8 @@ enum Command {
     Plot(runs::Plot),
     /// Study the control loops at frozen trajectory points, run after run in one session
     ShortPeriod(short_period::ShortPeriod),
+    /// The sampling laboratory: what an interface does to a loop, measured beside theory
+    Sampling(sampling::Sampling),
 }
 
 /// The link between the two sides.
@@ -145,6 +148,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         Command::Export(c) => c.execute(),
         Command::Plot(c) => c.execute(),
         Command::ShortPeriod(c) => c.execute(&context),
+        Command::Sampling(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
