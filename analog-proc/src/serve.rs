@@ -1,10 +1,7 @@
 //! The analog side of a session: answers requests, then runs the frame cycle.
 //!
 //! One loop for every link. In a run it is the only one who knows when samples
-//! are taken and transfers take effect: channel i is held at `t_n + i·δ`, the
-//! array integrates on to `t_n + τ` and no further, and there updates n take
-//! effect together. Where a sample and a transfer fall on one instant, the
-//! sample comes first.
+//! are taken and transfers take effect ([`crate::frame_cycle`]).
 
 use crate::{
     channels::Channels,
@@ -167,7 +164,13 @@ impl Server {
         let Some(loaded) = &mut self.loaded else {
             return Ok(()); // never: `admit` asked for it
         };
-        let fault = frame_cycle::run(spec, &mut loaded.simulation, &mut loaded.channels, port)?;
+        let fault = frame_cycle::run(
+            spec,
+            loaded.ordered.netlist.integration.time_scale,
+            &mut loaded.simulation,
+            &mut loaded.channels,
+            port,
+        )?;
         self.fault = fault.map(|f| f.to_string());
         Ok(())
     }

@@ -15,6 +15,7 @@ pub mod flight_mode;
 pub mod flight_summary;
 pub mod gain_schedule;
 pub mod launch;
+pub mod patch_source;
 pub mod pitch_programme;
 pub mod progress;
 pub mod reference;

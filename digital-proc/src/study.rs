@@ -1,5 +1,7 @@
 //! The studies of the paper's section 4.
 
 pub mod claim;
+pub mod failure_file;
 pub mod fault;
+pub mod long_period;
 pub mod short_period;

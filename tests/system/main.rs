@@ -2,9 +2,12 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod bench_top;
+mod case_study;
 mod determinism;
 mod exercises;
 mod faults;
 mod flight;
+mod frame_cycle;
 mod partition;
+mod sampling;
 mod sessions;

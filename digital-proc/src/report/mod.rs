@@ -10,9 +10,11 @@ pub mod flight;
 pub mod format;
 #[cfg(test)]
 mod gallery;
+pub mod pacing;
 mod page;
 pub mod plot;
 mod provenance;
+pub mod short_period;
 mod summary;
 mod table;
 mod theme;

@@ -285,7 +285,9 @@ impl Profile {
     /// Component error as a fraction; zero when off.
     #[must_use]
     pub fn component_error(&self) -> f64 {
-        self.component_error.as_ref().map_or(0.0, |error| error.value)
+        self.component_error
+            .as_ref()
+            .map_or(0.0, |error| error.value)
     }
 
     /// The ADC of a channel whose full scale is the block's `max`, problem units.
