@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the
 //! partner process failed, 130 interrupted.
 
+mod case_study;
 mod failure;
 mod fly;
 mod short_period;
@@ -21,6 +22,8 @@ use std::{
 ///
 /// It starts its partner `analog-proc` by itself; always two processes, joined by shared memory.
 ///
+///     digital-proc case-study               the whole paper, claim by claim
+///     digital-proc short-period pitch       step responses at all trajectory points
 ///     digital-proc fly                      the normal long-period flight, 49 s
 ///     digital-proc fly --mode roll-lost     with a failure of the roll control
 ///     digital-proc list                     the runs so far
@@ -38,6 +41,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run the paper's case study and say of each claim whether it holds
+    CaseStudy(case_study::CaseStudy),
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
     /// Study the control loops at frozen trajectory points, run after run in one session
@@ -108,6 +113,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         interrupted,
     };
     let done = match cli.command {
+        Command::CaseStudy(c) => c.execute(&context),
         Command::Fly(c) => c.execute(&context),
         Command::ShortPeriod(c) => c.execute(&context),
     };
