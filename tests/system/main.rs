@@ -6,5 +6,7 @@ mod case_study;
 mod determinism;
 mod faults;
 mod flight;
+mod frame_cycle;
 mod partition;
+mod sampling;
 mod sessions;

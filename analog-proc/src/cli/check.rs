@@ -29,8 +29,9 @@ impl PatchArgs {
         };
         let profile = Profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
-        let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
+        let mut ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;
+        crate::tolerance::apply(&mut ordered, profile.component_error());
         Ok(Compiled {
             hash: patch::hash(&bundle),
             ordered,

@@ -6,8 +6,11 @@
 mod case_study;
 mod failure;
 mod fly;
+mod replay;
+mod runs;
 mod short_period;
 mod study_input;
+mod sampling;
 
 pub use failure::Failure;
 
@@ -45,8 +48,18 @@ enum Command {
     CaseStudy(case_study::CaseStudy),
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
+    /// Repeat a recorded flight in lock-step and compare it to the last bit
+    Replay(replay::Replay),
+    /// The runs so far, oldest first
+    List(runs::List),
+    /// A run's trace as comma-separated values
+    Export(runs::Export),
+    /// Every column of a run against time, as one HTML page
+    Plot(runs::Plot),
     /// Study the control loops at frozen trajectory points, run after run in one session
     ShortPeriod(short_period::ShortPeriod),
+    /// The sampling laboratory: what an interface does to a loop, measured beside theory
+    Sampling(sampling::Sampling),
 }
 
 /// The link between the two sides.
@@ -58,15 +71,22 @@ enum LinkName {
     Memory,
 }
 
-/// What every command that runs the machine takes.
+/// How the machine is put together.
 #[derive(Args)]
-struct MachineArgs {
+struct JoinArgs {
     /// How the two sides are joined
     #[arg(long, value_enum, default_value = "shm", conflicts_with = "attach")]
     link: LinkName,
     /// Join the session of an `analog-proc serve --session NAME` that runs already
     #[arg(long, value_name = "SESSION")]
     attach: Option<String>,
+}
+
+/// What every command that runs the machine takes.
+#[derive(Args)]
+struct MachineArgs {
+    #[command(flatten)]
+    join: JoinArgs,
     /// Machine profile: ideal, paper-class, ad4, or a file
     #[arg(long, default_value = "ideal")]
     profile: String,
@@ -82,7 +102,15 @@ struct Context {
     interrupted: Arc<AtomicBool>,
 }
 
-impl MachineArgs {
+impl JoinArgs {
+    /// Name of the link in records.
+    fn link_name(&self) -> &'static str {
+        match (&self.attach, self.link) {
+            (Some(_), _) | (None, LinkName::Shm) => "shm",
+            (None, LinkName::Memory) => "memory",
+        }
+    }
+
     fn start(&self, context: &Context) -> Result<Started, Failure> {
         let link = match (&self.attach, self.link) {
             (Some(session), _) => LinkChoice::Attach(session.clone()),
@@ -94,6 +122,12 @@ impl MachineArgs {
             context.analog,
             context.interrupted.clone(),
         )?)
+    }
+}
+
+impl MachineArgs {
+    fn start(&self, context: &Context) -> Result<Started, Failure> {
+        self.join.start(context)
     }
 }
 
@@ -115,7 +149,12 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
     let done = match cli.command {
         Command::CaseStudy(c) => c.execute(&context),
         Command::Fly(c) => c.execute(&context),
+        Command::Replay(c) => c.execute(&context),
+        Command::List(c) => c.execute(),
+        Command::Export(c) => c.execute(),
+        Command::Plot(c) => c.execute(),
         Command::ShortPeriod(c) => c.execute(&context),
+        Command::Sampling(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,6 +1,6 @@
 //! What the study commands read before they run: vehicle, study, selection, record.
 
-use super::{Failure, LinkName, MachineArgs};
+use super::{Failure, MachineArgs};
 use crate::{
     run_dir::{Column, RunDirectory, RunRecord, TraceError, TraceWriter, UtcSecond},
     study::{
@@ -69,10 +69,7 @@ pub fn record(
         .map(|(name, hash)| (name.clone(), hash.clone().into()))
         .collect();
     parameters.insert("patch-sha256".to_owned(), hashes.into());
-    let link = match (&machine.attach, machine.link) {
-        (Some(_), _) | (None, LinkName::Shm) => "shm",
-        (None, LinkName::Memory) => "memory",
-    };
+    let link = machine.join.link_name();
     RunRecord {
         command: command.to_owned(),
         command_line: std::env::args().collect(),

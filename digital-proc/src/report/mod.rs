@@ -11,6 +11,7 @@ pub mod flight;
 pub mod format;
 #[cfg(test)]
 mod gallery;
+pub mod pacing;
 mod page;
 pub mod plot;
 mod provenance;
