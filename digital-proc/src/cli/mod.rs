@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the
 //! partner process failed, 130 interrupted.
 
+mod case_study;
 mod failure;
 mod fly;
 mod replay;
@@ -24,6 +25,8 @@ use std::{
 ///
 /// It starts its partner `analog-proc` by itself; always two processes, joined by shared memory.
 ///
+///     digital-proc case-study               the whole paper, claim by claim
+///     digital-proc short-period pitch       step responses at all trajectory points
 ///     digital-proc fly                      the normal long-period flight, 49 s
 ///     digital-proc fly --mode roll-lost     with a failure of the roll control
 ///     digital-proc list                     the runs so far
@@ -41,6 +44,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run the paper's case study and say of each claim whether it holds
+    CaseStudy(case_study::CaseStudy),
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
     /// Repeat a recorded flight in lock-step and compare it to the last bit
@@ -142,6 +147,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         interrupted,
     };
     let done = match cli.command {
+        Command::CaseStudy(c) => c.execute(&context),
         Command::Fly(c) => c.execute(&context),
         Command::Replay(c) => c.execute(&context),
         Command::List(c) => c.execute(),

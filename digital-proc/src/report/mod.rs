@@ -5,6 +5,7 @@
 //! screen and on paper. Nothing here judges: verdicts and numbers come from the caller.
 
 mod block_diagram;
+pub mod case_study;
 mod claims;
 pub mod flight;
 pub mod format;
