@@ -5,5 +5,6 @@ mod bench_top;
 mod determinism;
 mod faults;
 mod flight;
+mod long_period;
 mod partition;
 mod sessions;
