@@ -15,7 +15,7 @@ use interface::{
     coefficient::CoefficientUnit,
     control::{Channel, ChannelKind},
     converter::Converter,
-    frame::{EDGES_PER_FRAME, Edge, Samples, Updates},
+    frame::{EDGES_PER_FRAME, Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
     hold::Hold,
     profile::Profile,
 };
@@ -54,6 +54,10 @@ pub struct Channels {
     /// Control line and its present value.
     control: Vec<(usize, bool)>,
     edges: Vec<logic::Edge>,
+    /// What saturated, and which transfers took effect, since the last frame.
+    dac_saturated: u64,
+    dcu_saturated: [u64; 2],
+    transfers: Vec<Transfer>,
 }
 
 impl Channels {
@@ -74,6 +78,9 @@ impl Channels {
             sense: Vec::new(),
             control: Vec::new(),
             edges: Vec::new(),
+            dac_saturated: 0,
+            dcu_saturated: [0; 2],
+            transfers: Vec::new(),
         };
         let mut faults = Vec::new();
         for block in &netlist.blocks {
@@ -100,7 +107,7 @@ impl Channels {
                         Err(e) => fault(&e),
                     }
                 }
-                Kind::Dcu { channel, initial } => match profile.coefficient_unit() {
+                Kind::Dcu { channel, initial, range } => match profile.coefficient_unit(range) {
                     Ok(unit) => channels.dcu.push(DcuChannel {
                         channel: channel as usize,
                         unit,
@@ -112,7 +119,7 @@ impl Channels {
                     first_channel,
                     ref initial,
                     ..
-                } => match profile.coefficient_unit() {
+                } => match profile.coefficient_unit(None) {
                     Ok(unit) => channels
                         .dcu
                         .extend((first_channel as usize..).zip(initial).map(
@@ -304,9 +311,11 @@ impl Channels {
                 continue;
             }
             dac.value = updates.dac[dac.channel];
-            let piece = dac
-                .hold
-                .transfer(at, dac.converter.convert(dac.value).value);
+            let conversion = dac.converter.convert(dac.value);
+            if conversion.saturated || conversion.non_finite {
+                self.dac_saturated |= 1 << dac.channel;
+            }
+            let piece = dac.hold.transfer(at, conversion.value);
             simulation.set_dac(
                 dac.channel as u32,
                 DacPiece {
@@ -321,7 +330,11 @@ impl Channels {
         for dcu in &mut self.dcu {
             if updates.dcu_mask[dcu.channel / 64] >> (dcu.channel % 64) & 1 == 1 {
                 dcu.value = updates.dcu[dcu.channel];
-                simulation.set_dcu(dcu.channel as u32, dcu.unit.set(dcu.value).value);
+                let setting = dcu.unit.set(dcu.value);
+                if setting.saturated || setting.non_finite {
+                    self.dcu_saturated[dcu.channel / 64] |= 1 << (dcu.channel % 64);
+                }
+                simulation.set_dcu(dcu.channel as u32, setting.value);
             }
         }
         for (line, on) in &mut self.control {
@@ -330,6 +343,7 @@ impl Channels {
                 simulation.set_control(*line as u32, *on);
             }
         }
+        self.transfers.push(Transfer { frame: updates.frame, tick: at });
     }
 
     /// The next instant after `from` at which an interpolating hold has reached its value.
@@ -360,25 +374,36 @@ impl Channels {
         }
     }
 
-    /// Fills in logic, edges and overloads; `shift` leads from problem to run time.
+    /// Adds what happened since the last stamp: logic, edges, transfers, saturations,
+    /// overloads; `shift` leads from problem to run time.
     pub fn stamp(&mut self, simulation: &mut Simulation, shift: Tick, samples: &mut Samples) {
-        for sense in &self.sense {
-            if simulation.net(sense.net) != 0.0 {
-                samples.sense |= 1 << sense.line;
-            }
-        }
+        samples.sense = self
+            .sense
+            .iter()
+            .filter(|sense| simulation.net(sense.net) != 0.0)
+            .fold(0, |lines, sense| lines | 1 << sense.line);
         self.edges.clear();
         simulation.take_edges(&mut self.edges);
-        samples.edge_count = self.edges.len().min(EDGES_PER_FRAME) as u32;
-        samples.edges_lost = (self.edges.len() - samples.edge_count as usize) as u32;
-        for (slot, edge) in samples.edges.iter_mut().zip(&self.edges) {
+        for edge in &self.edges {
             // Problem time is within 292 years: it always fits a tick.
             let tick = Tick::from_secs(edge.t_s).unwrap_or_default() + shift;
-            *slot = Edge {
-                tick,
-                line: edge.line,
-                rising: u32::from(edge.rising),
-            };
+            match samples.edges.get_mut(samples.edge_count as usize) {
+                Some(slot) => {
+                    *slot = Edge { tick, line: edge.line, rising: u32::from(edge.rising) };
+                    samples.edge_count += 1;
+                }
+                None => samples.edges_lost = samples.edges_lost.saturating_add(1),
+            }
+        }
+        for transfer in self.transfers.drain(..) {
+            if let Some(slot) = samples.transfers.get_mut(samples.transfer_count as usize) {
+                *slot = transfer;
+                samples.transfer_count += 1;
+            }
+        }
+        samples.dac_saturated |= std::mem::take(&mut self.dac_saturated);
+        for (told, new) in samples.dcu_saturated.iter_mut().zip(&mut self.dcu_saturated) {
+            *told |= std::mem::take(new);
         }
         samples.overloads = simulation.overloads().len() as u32;
     }

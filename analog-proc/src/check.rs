@@ -5,7 +5,11 @@
 //! anything at all, and that a machine profile has the blocks. Closed paths are
 //! the business of [`crate::order`].
 
-use crate::net::{Block, Kind, NetId, Netlist, Span};
+mod supply;
+
+pub use supply::{against_profile, class, needs};
+
+use crate::net::{Block, Kind, NetId, Span};
 use crate::patch::{Draft, Faults, PatchFault};
 use miette::LabeledSpan;
 use std::collections::HashMap;
@@ -155,20 +159,4 @@ fn channels(draft: &Draft, faults: &mut Faults) {
             break;
         }
     }
-}
-
-/// Number of blocks of each class that a net needs.
-#[must_use]
-pub fn needs(
-    netlist: &Netlist,
-    class: impl Fn(&Kind) -> Option<&'static str>,
-) -> Vec<(&'static str, u32)> {
-    let mut needs: Vec<(&'static str, u32)> = Vec::new();
-    for name in netlist.blocks.iter().filter_map(|b| class(&b.kind)) {
-        match needs.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, count)) => *count += 1,
-            None => needs.push((name, 1)),
-        }
-    }
-    needs
 }

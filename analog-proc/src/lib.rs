@@ -8,6 +8,7 @@ pub mod block;
 pub mod channels;
 pub mod check;
 pub mod cli;
+pub mod draw;
 mod event;
 pub mod fault;
 pub mod frame_cycle;

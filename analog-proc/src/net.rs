@@ -109,6 +109,8 @@ pub enum Kind {
         channel: u32,
         /// Setting before the first transfer.
         initial: f64,
+        /// Largest coefficient that it is scaled for; without it the profile's range holds.
+        range: Option<f64>,
     },
     /// `y = v·Σ`, v from DAC `channel`.
     Mdac {

@@ -12,7 +12,9 @@
 
 use interface::Tick;
 
+use crate::block::dac::Hold;
 use crate::block::delay::POINTS;
+use crate::block::source::Firing;
 use crate::event::{Happenings, fatal};
 use crate::fault::RunFault;
 use crate::integrate::{Scheme, Step, System};
@@ -40,7 +42,7 @@ const LEAST_TIME_S: f64 = 1e-9;
 /// Probes of one bracketing: bisection alone needs 60, every fourth probe bisects.
 const PROBES: usize = 250;
 
-/// Two units in the last place of `t_s`.
+/// About two units in the last place of `t_s`, s.
 fn resolution_s(t_s: f64) -> f64 {
     f64::EPSILON * t_s.abs().max(LEAST_TIME_S)
 }
@@ -95,6 +97,8 @@ impl<'a> Recorder<'a> {
 pub(crate) struct Engine {
     pub machine: Machine,
     pub frozen: Frozen,
+    /// Initial conditions, as set for the next reset.
+    pub ics: Vec<f64>,
     pub nets: Vec<f64>,
     /// A second set of nets, for looking between the ends of a step.
     pub probe: Vec<f64>,
@@ -127,29 +131,21 @@ impl Machine {
 }
 
 impl Engine {
-    pub fn reset(&mut self, ics: &[f64]) -> Result<(), RunFault> {
+    pub fn reset(&mut self) -> Result<(), RunFault> {
         let fresh = self.machine.frozen();
         let old = std::mem::replace(&mut self.frozen, fresh);
         // What the digital side holds outlives a reset.
         self.frozen.dcus = old.dcus;
         for (new, held) in self.frozen.holds.iter_mut().zip(&old.holds) {
-            *new = crate::block::dac::Hold::at(held.at_time(self.t_s));
+            *new = Hold::at(held.at_time(self.t_s));
         }
-        for (_, slot) in &self.machine.control_lines {
-            let (slot, nets) = (*slot as usize, &mut self.nets);
-            self.probe[slot] = nets[slot];
-        }
-        let controls: Vec<(u32, f64)> = self
-            .machine
-            .control_lines
-            .iter()
-            .map(|(_, slot)| (*slot, self.nets[*slot as usize]))
-            .collect();
+        self.before.copy_from_slice(&self.nets);
         self.nets.copy_from_slice(&self.machine.initial_nets);
-        for (slot, value) in controls {
-            self.nets[slot as usize] = value;
+        for (_, slot) in &self.machine.control_lines {
+            self.nets[*slot as usize] = self.before[*slot as usize];
         }
-        self.nets[..ics.len()].copy_from_slice(ics);
+        self.load_functions();
+        self.nets[..self.ics.len()].copy_from_slice(&self.ics);
         self.t_s = 0.0;
         self.statistics = Statistics::default();
         self.step.evaluations = 0;
@@ -159,7 +155,8 @@ impl Engine {
         self.chatter_from_s = 0.0;
         self.former_error = 1e-4;
         for (i, (_, timer)) in self.machine.timers.iter().enumerate() {
-            self.frozen.timer_s[i] = timer.instant_s(0);
+            self.frozen.timer_count[i] = timer.first();
+            self.frozen.timer_s[i] = timer.instant_s(timer.first());
         }
         self.fire_timers();
         self.settle(true, Some(0))?;
@@ -167,17 +164,16 @@ impl Engine {
         Ok(())
     }
 
-    pub fn apply(&mut self, ics: &[f64], initial: bool) -> Result<(), RunFault> {
-        let functions = std::mem::take(&mut self.machine.digital_functions);
-        for function in &functions {
+    /// Settles what the digital side has set.
+    pub fn apply(&mut self, initial: bool) -> Result<(), RunFault> {
+        self.load_functions();
+        self.settle(initial, Some(0))
+    }
+
+    fn load_functions(&mut self) {
+        for function in &self.machine.digital_functions {
             function.load(&self.machine.breakpoints, &mut self.frozen);
         }
-        self.machine.digital_functions = functions;
-        if initial {
-            // Nothing has moved yet: regions and states follow the new settings.
-            self.nets[..ics.len()].copy_from_slice(ics);
-        }
-        self.settle(initial, Some(0))
     }
 
     pub fn derivative_pass(&mut self) -> f64 {
@@ -206,14 +202,10 @@ impl Engine {
             nets,
             before,
             happenings,
+            ics,
             ..
         } = self;
-        // On reset the settled ICs are in `nets` already; a resetting integrator without
-        // `reset-to` takes them from the machine of the same run.
-        let ics = std::mem::take(&mut machine.ics);
-        let result = machine.settle(frozen, &ics, t_s, nets, before, initial, happenings);
-        machine.ics = ics;
-        result?;
+        machine.settle(frozen, ics, t_s, nets, before, initial, happenings)?;
         self.overloads.append(&mut self.happenings.overloads);
         self.step.y0.copy_from_slice(&self.nets[..n]);
         self.machine
@@ -269,25 +261,16 @@ impl Engine {
                 let (slot, timer) = self.machine.timers[i];
                 let n = self.frozen.timer_count[i];
                 match timer.fire(n) {
-                    crate::block::source::Firing::Value(value) => self.nets[slot as usize] = value,
-                    crate::block::source::Firing::Started(wave) => {
-                        self.frozen.started[wave as usize] = true;
-                    }
-                    crate::block::source::Firing::Renew(noise) => {
+                    Firing::Value(value) => self.nets[slot as usize] = value,
+                    Firing::Started(wave) => self.frozen.started[wave as usize] = true,
+                    Firing::Renew(noise) => {
                         self.nets[slot as usize] = self.frozen.noises[noise as usize].next();
                     }
                 }
                 self.frozen.timer_count[i] = n + 1;
-                // A period below the resolution of time must not hang the loop.
-                let next = timer.instant_s(n + 1);
-                let least = self.t_s + resolution_s(self.t_s);
-                self.frozen.timer_s[i] = if next > self.t_s
-                    || n == 0 && next <= self.t_s && next >= 0.0 && self.t_s > 0.0
-                {
-                    next.max(least)
-                } else {
-                    least
-                };
+                // However short a period, time goes on between two firings.
+                let least_s = self.t_s + resolution_s(self.t_s);
+                self.frozen.timer_s[i] = timer.instant_s(n + 1).max(least_s);
             }
         }
         fired
@@ -356,9 +339,7 @@ impl Engine {
     }
 
     fn cap_s(&self) -> f64 {
-        let settling = self.frozen.holds.iter().filter_map(|h| h.settling_s());
-        let cap = settling.fold(self.machine.step_cap_s, f64::min);
-        cap.min(self.integration.max_step_s)
+        self.machine.step_cap_s.min(self.integration.max_step_s)
     }
 
     /// Operates until `stop_s`, or until an overload stops it.
@@ -456,18 +437,23 @@ impl Engine {
         } else {
             room_s.min(self.machine.step_cap_s)
         };
+        if adaptive && proposal_s <= resolution_s(self.t_s) {
+            return Err(self.underflow(1.0, proposal_s));
+        }
         let mut end_s = self.end_of(h_s, target_s, room_s);
         let mut rejected = false;
         loop {
-            h_s = end_s - self.t_s;
-            let error = self.attempt(h_s);
+            // The step as time resolves it; the wish goes on shrinking below that.
+            let step_s = end_s - self.t_s;
+            let error = self.attempt(step_s);
             if !adaptive {
                 break;
             }
             if error <= 1.0 {
-                self.propose(error, h_s, proposal_s, rejected);
+                self.propose(error, step_s, proposal_s, rejected);
                 break;
             }
+            h_s = h_s.min(step_s);
             self.statistics.rejected += 1;
             let shrink = if error.is_finite() {
                 (SAFETY * error.powf(-1.0 / self.scheme.exponent())).clamp(SHRINK, SAFETY)
@@ -698,7 +684,7 @@ impl Engine {
             .zip(&self.margins_high)
         {
             let bend = 2.0 * (low - 2.0 * middle + high);
-            if !(bend < 0.0) {
+            if bend >= 0.0 || bend.is_nan() {
                 continue;
             }
             let slope = 4.0 * middle - 3.0 * low - high;

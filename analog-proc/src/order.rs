@@ -21,6 +21,7 @@ pub struct Ordered {
     pub order: Vec<BlockId>,
     /// Files of the patch, for messages of later checks. Private, so that nothing else makes an `Ordered`.
     sources: Sources,
+    root: String,
     notes: Vec<(BlockId, String)>,
 }
 
@@ -29,6 +30,12 @@ impl Ordered {
     #[must_use]
     pub fn sources(&self) -> &Sources {
         &self.sources
+    }
+
+    /// Name of the root file.
+    #[must_use]
+    pub fn root(&self) -> &str {
+        &self.root
     }
 
     /// The `note` of a block.
@@ -68,11 +75,13 @@ pub(crate) fn order(checked: Checked, mut faults: Faults) -> Result<Ordered, Pat
         }
     }
     let sources = faults.sources.clone();
+    let root = faults.root().to_owned();
     faults.into_result()?;
     Ok(Ordered {
         netlist,
         order,
         sources,
+        root,
         notes: draft.notes,
     })
 }
@@ -251,8 +260,10 @@ fn report_loop(component: &[usize], into: &[Vec<Edge>], netlist: &Netlist, fault
         "Every block here answers within the instant, so none can be computed first. Solve the equation by hand and patch its solution, or put the store that the real system has into the path (an `integrator`, or a `lag` with its true time constant)."
     };
     let help = format!("the whole loop:\n{}{more}\n{advice}", steps.join("\n"));
-    let Some(&at) = spans.first() else { return };
-    let edges = spans[1..]
+    let Some(&at) = spans.iter().min_by_key(|span| (span.file, span.start)) else {
+        return;
+    };
+    let edges = spans
         .iter()
         .take(SHOWN)
         .filter(|span| span.file == at.file && **span != at)

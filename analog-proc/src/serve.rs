@@ -220,6 +220,7 @@ impl Loaded {
         profile: Profile,
     ) -> Result<Loaded, String> {
         let ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
+        crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
         let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
         let mut loaded = Loaded {

@@ -45,7 +45,6 @@ pub struct Statistics {
 #[derive(Debug)]
 pub struct Simulation {
     engine: Engine,
-    ics: Vec<f64>,
     mode: Mode,
     dirty: bool,
     ended: Option<LatchedOverload>,
@@ -68,10 +67,10 @@ fn check(integration: &Integration) -> Result<(), RunFault> {
         return refuse("atol", atol);
     }
     let fixed = matches!(integration.method, Method::RungeKutta4 | Method::Euler);
-    if fixed && !(step_s >= 1e-9 && step_s < 9e9) {
+    if fixed && !(1e-9..9e9).contains(&step_s) {
         return refuse("step", step_s);
     }
-    if !(max_step_s > 0.0) {
+    if max_step_s <= 0.0 || max_step_s.is_nan() {
         return refuse("max-step", max_step_s);
     }
     Ok(())
@@ -94,9 +93,9 @@ impl Simulation {
             .iter()
             .map(|s| s * integration.atol)
             .collect();
-        let ics = machine.ics.clone();
         let engine = Engine {
             frozen,
+            ics: machine.ics.clone(),
             nets: machine.initial_nets.clone(),
             probe: machine.initial_nets.clone(),
             before: vec![0.0; slots],
@@ -119,7 +118,6 @@ impl Simulation {
         };
         let mut simulation = Simulation {
             engine,
-            ics,
             mode: Mode::InitialCondition,
             dirty: false,
             ended: None,
@@ -139,7 +137,7 @@ impl Simulation {
         self.dirty = false;
         self.ended = None;
         self.fault = None;
-        let result = self.engine.reset(&self.ics);
+        let result = self.engine.reset();
         self.keep(result)
     }
 
@@ -148,7 +146,7 @@ impl Simulation {
     pub fn set_ic(&mut self, block: BlockId, value: f64) {
         let state = self.engine.machine.state_of_block.get(block.index());
         if let Some(Some(state)) = state {
-            self.ics[*state as usize] = value;
+            self.engine.ics[*state as usize] = value;
         }
     }
 
@@ -257,11 +255,6 @@ impl Simulation {
 
     /// Loads a DAC channel; in force from [`Simulation::apply`] on.
     pub fn set_dac(&mut self, channel: u32, piece: DacPiece) {
-        let t_s = self.engine.t_s;
-        let piece = DacPiece {
-            from_s: piece.from_s.min(t_s),
-            ..piece
-        };
         let channels = &self.engine.machine.dac_channels;
         for (hold, (number, _)) in self.engine.frozen.holds.iter_mut().zip(channels) {
             let new = hold.transfer(piece);
@@ -305,7 +298,7 @@ impl Simulation {
         }
         self.dirty = false;
         let initial = self.mode == Mode::InitialCondition;
-        let result = self.engine.apply(&self.ics, initial);
+        let result = self.engine.apply(initial);
         self.keep(result)
     }
 
@@ -357,8 +350,9 @@ impl Simulation {
             ];
             for (derivative, expected, found) in found {
                 let Some(expected) = expected else { continue };
-                // Not `>`: an undefined value is a mismatch.
-                if !((found - expected).abs() <= item.tolerance) {
+                // An undefined value is a mismatch.
+                let difference = (found - expected).abs();
+                if difference > item.tolerance || difference.is_nan() {
                     let (net, tolerance) = (item.net, item.tolerance);
                     mismatches.push(Mismatch {
                         net,

@@ -11,6 +11,7 @@ use interface::{
     link::{AnalogPort, DigitalPort, LinkFault, Patience, memory, shm::ShmDigital},
     session::{Session, SessionError},
 };
+use rustix::process::{Pid, Signal, kill_process};
 use std::{
     os::unix::process::CommandExt,
     process::{Child, Command, ExitStatus, Stdio},
@@ -19,6 +20,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+/// How long a partner may take to leave by itself after a goodbye.
+const GOODBYE: Duration = Duration::from_millis(50);
 /// How long a partner that was told to end may take.
 const FAREWELL: Duration = Duration::from_secs(2);
 
@@ -162,6 +165,13 @@ impl Guard {
 
 impl Drop for Guard {
     fn drop(&mut self) {
+        if self.wait(GOODBYE).is_some() {
+            return;
+        }
+        // No goodbye was said: this side was interrupted or failed.
+        if let Some(pid) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
+            let _ = kill_process(pid, Signal::TERM);
+        }
         if self.wait(FAREWELL).is_none() {
             let _ = self.child.kill();
             let _ = self.child.wait();

@@ -21,6 +21,7 @@ pub mod reference;
 pub mod report;
 pub mod rk4;
 pub mod run_dir;
+pub mod sampling;
 pub mod slice;
 pub mod study;
 pub mod table;

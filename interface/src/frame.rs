@@ -24,6 +24,9 @@ pub const INTERRUPT_LINES: usize = 32;
 /// Edges recorded per frame; further ones are counted in [`Samples::edges_lost`].
 pub const EDGES_PER_FRAME: usize = 32;
 
+/// Transfers told per frame: an update, and a late one before it.
+pub const TRANSFERS_PER_FRAME: usize = 4;
+
 /// State of the analog side as told in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
@@ -64,6 +67,16 @@ pub struct Edge {
     pub rising: u32,
 }
 
+/// One transfer as it took effect.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct Transfer {
+    /// Frame of the updates.
+    pub frame: u64,
+    /// Run time at which they took effect.
+    pub tick: Tick,
+}
+
 /// Samples n: analog to digital.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
@@ -76,6 +89,10 @@ pub struct Samples {
     pub adc: [f64; ADC_CHANNELS],
     /// One bit per ADC channel that saturated in this frame.
     pub adc_saturated: u64,
+    /// One bit per DAC channel that saturated in a transfer since the last frame.
+    pub dac_saturated: u64,
+    /// One bit per DCU channel likewise (low 64, high 64).
+    pub dcu_saturated: [u64; 2],
     /// Sense lines, one bit each.
     pub sense: u64,
     /// Overloads latched so far (count of blocks).
@@ -88,6 +105,10 @@ pub struct Samples {
     pub edges_lost: u32,
     /// Interrupt edges since the last frame, in order of time.
     pub edges: [Edge; EDGES_PER_FRAME],
+    /// Number of valid entries in `transfers`.
+    pub transfer_count: u64,
+    /// Transfers since the last frame, in order of time.
+    pub transfers: [Transfer; TRANSFERS_PER_FRAME],
 }
 
 /// Updates n: digital to analog.
@@ -125,12 +146,16 @@ impl Samples {
             tick,
             adc: [0.0; ADC_CHANNELS],
             adc_saturated: 0,
+            dac_saturated: 0,
+            dcu_saturated: [0; 2],
             sense: 0,
             overloads: 0,
             state: state as u32,
             edge_count: 0,
             edges_lost: 0,
             edges: [Edge::default(); EDGES_PER_FRAME],
+            transfer_count: 0,
+            transfers: [Transfer::default(); TRANSFERS_PER_FRAME],
         }
     }
 
@@ -143,6 +168,13 @@ impl Samples {
             2 => RunState::Ended,
             _ => RunState::Faulted,
         }
+    }
+
+    /// The told transfers in order of time.
+    #[must_use]
+    pub fn transfers(&self) -> &[Transfer] {
+        let count = usize::try_from(self.transfer_count).unwrap_or(usize::MAX);
+        &self.transfers[..count.min(TRANSFERS_PER_FRAME)]
     }
 
     /// The recorded edges in order of time.

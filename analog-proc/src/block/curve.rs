@@ -149,7 +149,6 @@ pub(crate) fn pieces_of_abs() -> [Piece; 2] {
 /// A curve whose ordinates are held in coefficient units (Rubin's function generator).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DigitalFunction {
-    pub element: u32,
     pub curve: Curve,
     /// First ordinate in the flat array of coefficients.
     pub first: u32,

@@ -53,11 +53,13 @@ impl Hold {
         } else {
             0.0
         };
-        let constant = piece.slope_per_s == 0.0 && residue == 0.0;
+        if piece.slope_per_s == 0.0 && residue == 0.0 {
+            return Hold::at(piece.value);
+        }
         Hold {
             piece,
             residue,
-            constant,
+            constant: false,
         }
     }
 
@@ -72,10 +74,5 @@ impl Hold {
             value += self.residue * (-since_s / self.piece.settling_s).exp();
         }
         value
-    }
-
-    /// Time constant of a settling that is still going on at `t_s`, s.
-    pub fn settling_s(&self) -> Option<f64> {
-        (self.residue != 0.0).then_some(self.piece.settling_s)
     }
 }

@@ -16,6 +16,10 @@ pub(crate) struct Control {
 impl Control {
     /// Applies the logic as it now stands; `before` are the nets before this pass.
     /// True when the state moved.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the running state, borrowed apart"
+    )]
     pub fn apply(
         &self,
         index: usize,

@@ -17,6 +17,9 @@ use crate::machine::{Op, Slot, Term};
 use crate::net::{Block, Kind, Level, Wave};
 use crate::order::Ordered;
 
+/// Shortest delay, pulse or period: one tick, s.
+const LEAST_TIME_S: f64 = 1e-9;
+
 fn scaled(terms: Vec<Term>, factor: f64) -> Vec<Term> {
     terms
         .into_iter()
@@ -38,7 +41,7 @@ impl Lowering {
             return Err(self.malformed("it drives no net"));
         };
         let o = self.slot(net);
-        let state = self.m.state_of_block[self.block.index()];
+        self.check_times(&block.kind)?;
         match &block.kind {
             Kind::Integrator { ic, .. }
             | Kind::RateLimiter { ic, .. }
@@ -52,7 +55,7 @@ impl Lowering {
             }
             Kind::Inverter => self.weighted(o, block, -1.0)?,
             Kind::Gain { k } | Kind::Pot { k } => self.weighted(o, block, *k)?,
-            Kind::Dcu { channel, initial } => {
+            Kind::Dcu { channel, initial, .. } => {
                 let u = self.sum(&block.inputs)?;
                 let dcu = self.dcu(*channel, *initial);
                 let varying = self.vary(&[u.slot]);
@@ -177,18 +180,16 @@ impl Lowering {
                     return Err(self.malformed("its table needs as many values as breakpoints"));
                 }
                 let u = self.sum(&block.inputs)?;
-                let (element, curve) = self.curve_into(o, u, x, &pieces_of_table(x, initial));
+                let curve = self.curve_into(o, u, x, &pieces_of_table(x, initial));
                 // The ordinates lie side by side, so they have coefficients of their own.
                 let first = self.m.dcu_channels.len() as u32;
                 for (i, value) in initial.iter().enumerate() {
                     let channel = first_channel.saturating_add(i as u32);
                     self.m.dcu_channels.push((channel, *value));
                 }
-                self.m.digital_functions.push(DigitalFunction {
-                    element,
-                    curve,
-                    first,
-                });
+                self.m
+                    .digital_functions
+                    .push(DigitalFunction { curve, first });
             }
             Kind::Function2d { x, y, z } => {
                 if x.is_empty() || y.is_empty() || z.len() != x.len() * y.len() {
@@ -444,9 +445,7 @@ impl Lowering {
             Kind::Constant { value } => self.m.initial_nets[o as usize] = *value,
             Kind::Time => self.push(Op::Time { o }, &[o], true),
         }
-        if state.is_none() || block.max.is_some() {
-            self.overload(o, block.max);
-        }
+        self.overload(o, block.max);
         Ok(())
     }
 
@@ -571,6 +570,30 @@ impl Lowering {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Refuses times that problem time cannot resolve.
+    fn check_times(&self, kind: &Kind) -> Result<(), RunFault> {
+        let resolved = |s: f64| s >= LEAST_TIME_S;
+        let fine = match *kind {
+            Kind::RateLimiter { tau, .. } | Kind::Backlash { tau, .. } | Kind::Lag { tau, .. } => {
+                tau > 0.0
+            }
+            Kind::TransportDelay { delay, .. } => resolved(delay),
+            Kind::OneShot { width_s } => resolved(width_s),
+            Kind::Noise { every_s, .. } => resolved(every_s),
+            Kind::Generator {
+                frequency_hz,
+                start_s,
+                ..
+            } => start_s.is_finite() && (0.0..=0.5 / LEAST_TIME_S).contains(&frequency_hz),
+            _ => true,
+        };
+        if fine {
+            Ok(())
+        } else {
+            Err(self.malformed("one of its times is not positive, or below a nanosecond"))
+        }
     }
 
     fn weighted(&mut self, o: Slot, block: &Block, factor: f64) -> Result<(), RunFault> {

@@ -123,9 +123,6 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         lowering.block = *id;
         lowering.inputs_of_stores(ordered)?;
     }
-    let m = &mut lowering.m;
-    let state_ops = m.fast.len();
-    m.fast.reserve_exact(state_ops);
     Ok(lowering.m)
 }
 
@@ -272,7 +269,7 @@ impl Lowering {
     }
 
     /// `o = curve(u)`.
-    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> (u32, Curve) {
+    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> Curve {
         let (e, curve) = self.curve(u, corners, pieces);
         let varying = self.vary(&[u.slot]);
         self.push(
@@ -285,7 +282,7 @@ impl Lowering {
             &[o],
             varying,
         );
-        (e, curve)
+        curve
     }
 
     fn overload(&mut self, o: Slot, max: Option<f64>) {

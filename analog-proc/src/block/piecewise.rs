@@ -24,7 +24,6 @@ pub(crate) enum Fatal {
 /// What choosing a region did.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Choice {
-    pub changed: bool,
     pub moved: bool,
     pub overloaded: bool,
 }
@@ -206,10 +205,7 @@ impl Piecewise {
         }
         let new = self.region(known, m, nets)?;
         f.region[e] = new;
-        let mut choice = Choice {
-            changed: new != old,
-            ..Choice::default()
-        };
+        let mut choice = Choice::default();
         match self {
             Piecewise::Curve(curve) => curve.install(new, f, e),
             Piecewise::Comparator { .. } => f.piece[e] = Piece::flat(f64::from(new)),

@@ -90,6 +90,20 @@ pub(crate) enum Firing {
 }
 
 impl Timer {
+    /// The last firing due by t = 0, for what starts before it; else the first.
+    pub fn first(&self) -> u64 {
+        match *self {
+            Timer::Square {
+                frequency_hz,
+                start_s,
+                ..
+            } if start_s < 0.0 && frequency_hz > 0.0 => {
+                (-start_s * 2.0 * frequency_hz).floor() as u64
+            }
+            _ => 0,
+        }
+    }
+
     /// The instant of the `n`-th firing, s.
     pub fn instant_s(&self, n: u64) -> f64 {
         match *self {
@@ -127,7 +141,9 @@ impl Timer {
     pub fn fire(&self, n: u64) -> Firing {
         match *self {
             Timer::Step { high, .. } => Firing::Value(high),
-            Timer::Square { low, high, .. } => Firing::Value(if n % 2 == 0 { high } else { low }),
+            Timer::Square { low, high, .. } => {
+                Firing::Value(if n.is_multiple_of(2) { high } else { low })
+            }
             Timer::Start { wave, .. } => Firing::Started(wave),
             Timer::Noise { noise, .. } => Firing::Renew(noise),
             Timer::OneShotEnd => Firing::Value(0.0),

@@ -22,14 +22,15 @@ impl PatchArgs {
     pub fn compile(&self) -> Result<Compiled, Failure> {
         let faults = |f: patch::PatchFaults| {
             Failure::input(if self.json {
-                serde_json::json!({ "faults": f.records() }).to_string()
+                serde_json::json!({ "faults": f.to_list() }).to_string()
             } else {
                 f.render()
             })
         };
-        let _profile = Profile::load(&self.profile).map_err(Failure::input)?;
+        let profile = Profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
+        crate::check::against_profile(&ordered, &profile).map_err(faults)?;
         Ok(Compiled {
             hash: patch::hash(&bundle),
             ordered,

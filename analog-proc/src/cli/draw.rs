@@ -26,7 +26,11 @@ impl Draw {
         }
         std::fs::write(&out, svg)
             .map_err(|e| Failure::input(format!("cannot write {}: {e}", out.display())))?;
-        println!("{} blocks drawn to {}", compiled.ordered.netlist.blocks.len(), out.display());
+        println!(
+            "{} blocks drawn to {}",
+            compiled.ordered.netlist.blocks.len(),
+            out.display()
+        );
         Ok(())
     }
 }

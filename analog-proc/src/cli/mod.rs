@@ -4,6 +4,7 @@
 //! process failed.
 
 mod check;
+mod draw;
 mod run;
 mod serve;
 
@@ -42,6 +43,8 @@ enum Command {
     Check(check::Check),
     /// Run a patch by itself and write what is recorded as CSV or Arrow
     Run(run::Run),
+    /// Draw a patch as an SVG wiring diagram in analog-computer symbols
+    Draw(draw::Draw),
     /// Serve a session: the digital side joins it with `digital-proc --attach NAME`
     Serve(serve::Serve),
 }
@@ -94,12 +97,15 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
+        Command::Draw(c) => c.execute(),
         Command::Serve(c) => c.execute(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{}", failure.text.trim_end());
+            if !failure.text.is_empty() {
+                eprintln!("{}", failure.text.trim_end());
+            }
             ExitCode::from(failure.code)
         }
     }

@@ -48,12 +48,16 @@ impl Serve {
         let served =
             ShmAnalog::open(&session, None, &patience).and_then(|mut port| serve::serve(&mut port));
         served.map_err(|fault| Failure {
-            code: match fault {
+            code: match &fault {
                 LinkFault::Interrupted { .. } => INTERRUPTED,
                 LinkFault::Transport { .. } => BAD_INPUT,
                 _ => PARTNER_FAILED,
             },
-            text: fault.to_string(),
+            text: match fault {
+                // The digital side that started this one has said why.
+                LinkFault::Interrupted { .. } if self.joined => String::new(),
+                fault => fault.to_string(),
+            },
         })
     }
 }

@@ -31,7 +31,7 @@ macro_rules! patch_faults {
                 $name {
                     #[source_code]
                     src: Source,
-                    #[label($label)]
+                    #[label(primary, $label)]
                     at: SourceSpan,
                     help: String,
                     $( $(#[$field_attribute])* $field: $type, )*

@@ -121,9 +121,18 @@ impl Faults {
         }
     }
 
+    /// Counts a fault that is not told.
+    pub(crate) fn omit(&mut self) {
+        self.omitted += 1;
+    }
+
     /// Whether further faults are only counted; the search for near names then stops too.
     pub(crate) fn is_full(&self) -> bool {
         self.list.len() >= MOST_FAULTS
+    }
+
+    pub(crate) fn root(&self) -> &str {
+        &self.root
     }
 
     /// How many there are so far, those beyond the limit included.
@@ -216,7 +225,7 @@ impl PatchFaults {
 
     /// The faults as flat records.
     #[must_use]
-    pub fn records(&self) -> Vec<FaultRecord> {
+    pub fn to_list(&self) -> Vec<FaultRecord> {
         self.faults
             .iter()
             .map(|fault| {

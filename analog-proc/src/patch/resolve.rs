@@ -79,6 +79,11 @@ pub(crate) fn resolve(
     })
 }
 
+/// In a patch of more nets than this …
+const MOST_SEARCHED: usize = 2000;
+/// … near names are looked for in the first so many faults only, since each search reads all names.
+const FIRST_FAULTS: usize = 10;
+
 struct Made {
     block: Block,
     is_broken: bool,
@@ -234,7 +239,12 @@ impl<'a> Resolver<'a> {
             let instance = format!("{prefix}{}", &name[..=dot]);
             self.instances.dead.contains(&instance)
         });
-        if is_dead || self.faults.is_full() {
+        if is_dead {
+            return None;
+        }
+        if self.faults.is_full() {
+            // Only counted: the search for a near name over all nets costs too much to repeat.
+            self.faults.omit();
             return None;
         }
         if params.contains_key(name) {
@@ -243,6 +253,15 @@ impl<'a> Resolver<'a> {
                 at,
                 net: name.to_owned(),
                 help: format!("`{name}` is a parameter; to use it as a signal, make it a block: {{ kind = \"constant\", value = \"{name}\" }}"),
+            });
+            return None;
+        }
+        if self.nets.len() > MOST_SEARCHED && self.faults.count() >= FIRST_FAULTS {
+            self.faults.push(at, |src, at| PatchFault::UnknownNet {
+                src,
+                at,
+                net: name.to_owned(),
+                help: "check the spelling against [blocks]; near names are shown for the first faults only".into(),
             });
             return None;
         }

@@ -298,15 +298,17 @@ impl Profile {
         converter(self.dac.bits.as_ref(), full_scale)
     }
 
-    /// A digital coefficient unit.
+    /// A digital coefficient unit scaled for `range`, or else for the profile's own
+    /// range. A profile without bits sets every coefficient exactly.
     ///
     /// # Errors
-    /// [`ConverterError`] when the profile has bits and no range.
-    pub fn coefficient_unit(&self) -> Result<CoefficientUnit, ConverterError> {
-        CoefficientUnit::new(
-            self.dcu.bits.as_ref().map(|bits| bits.value),
-            self.dcu.range.as_ref().map(|range| range.value),
-        )
+    /// [`ConverterError`] when the profile has bits and there is no range.
+    pub fn coefficient_unit(&self, range: Option<f64>) -> Result<CoefficientUnit, ConverterError> {
+        let own = self.dcu.range.as_ref().map(|range| range.value);
+        match &self.dcu.bits {
+            Some(bits) => CoefficientUnit::new(Some(bits.value), range.or(own)),
+            None => Ok(CoefficientUnit::ideal()),
+        }
     }
 
     /// Multiplexer skew δ; zero is a simultaneous sample.

@@ -22,12 +22,16 @@ pub fn layout_hash() -> u64 {
         offset_of!(Samples, tick),
         offset_of!(Samples, adc),
         offset_of!(Samples, adc_saturated),
+        offset_of!(Samples, dac_saturated),
+        offset_of!(Samples, dcu_saturated),
         offset_of!(Samples, sense),
         offset_of!(Samples, overloads),
         offset_of!(Samples, state),
         offset_of!(Samples, edge_count),
         offset_of!(Samples, edges_lost),
         offset_of!(Samples, edges),
+        offset_of!(Samples, transfer_count),
+        offset_of!(Samples, transfers),
         size_of::<Edge>(),
         offset_of!(Edge, tick),
         offset_of!(Edge, line),
@@ -51,6 +55,7 @@ pub fn layout_hash() -> u64 {
         frame::CONTROL_LINES,
         frame::INTERRUPT_LINES,
         frame::EDGES_PER_FRAME,
+        frame::TRANSFERS_PER_FRAME,
     ];
     // FNV-1a, 64 bits: stable across builds, which `std::hash` does not promise.
     numbers

@@ -1,0 +1,110 @@
+//! Whether a machine has the blocks that a patch needs.
+
+use crate::net::{BlockId, Kind, Netlist};
+use crate::order::Ordered;
+use crate::patch::{Faults, PatchFault, PatchFaults};
+use interface::profile::{BlockClass, Profile};
+use std::collections::BTreeMap;
+
+/// The class of equipment that a kind takes from a machine; `None` for what every machine has
+/// without number (constants, problem time).
+#[must_use]
+pub fn class(kind: &Kind) -> Option<BlockClass> {
+    Some(match kind {
+        Kind::Integrator { .. }
+        | Kind::TrackStore { .. }
+        | Kind::Lag { .. }
+        | Kind::RateLimiter { .. } => BlockClass::Integrator,
+        Kind::Summer | Kind::Inverter | Kind::Gain { .. } => BlockClass::Amplifier,
+        Kind::Multiplier | Kind::Divider | Kind::Square | Kind::SquareRoot => {
+            BlockClass::Multiplier
+        }
+        Kind::Resolver | Kind::Sine | Kind::Cosine | Kind::Arctangent => BlockClass::Resolver,
+        Kind::Function { .. }
+        | Kind::Function2d { .. }
+        | Kind::DigitalFunction { .. }
+        | Kind::TransportDelay { .. }
+        | Kind::Generator { .. }
+        | Kind::Noise { .. } => BlockClass::FunctionGenerator,
+        Kind::Pot { .. } => BlockClass::Potentiometer,
+        Kind::Dcu { .. } => BlockClass::Dcu,
+        Kind::Dac { .. } => BlockClass::Dac,
+        Kind::Mdac { .. } => BlockClass::Mdac,
+        Kind::Adc { .. } => BlockClass::AdcChannel,
+        Kind::Comparator { .. } | Kind::Relay { .. } => BlockClass::Comparator,
+        Kind::Switch { .. } => BlockClass::Switch,
+        Kind::DeadZone { .. }
+        | Kind::Limiter { .. }
+        | Kind::Backlash { .. }
+        | Kind::DryFriction { .. }
+        | Kind::Abs
+        | Kind::Min
+        | Kind::Max => BlockClass::DiodeNetwork,
+        Kind::And
+        | Kind::Or
+        | Kind::Not
+        | Kind::FlipFlop { .. }
+        | Kind::OneShot { .. }
+        | Kind::Counter { .. } => BlockClass::Logic,
+        Kind::Sense { .. } => BlockClass::SenseLine,
+        Kind::Control { .. } => BlockClass::ControlLine,
+        Kind::Interrupt { .. } => BlockClass::InterruptLine,
+        Kind::Constant { .. } | Kind::Time => return None,
+    })
+}
+
+/// Blocks of each class that a net needs.
+#[must_use]
+pub fn needs(netlist: &Netlist) -> BTreeMap<BlockClass, u32> {
+    let mut needs = BTreeMap::new();
+    for class in netlist.blocks.iter().filter_map(|block| class(&block.kind)) {
+        *needs.entry(class).or_insert(0) += 1;
+    }
+    needs
+}
+
+/// Checks that a machine has the blocks for a patch.
+///
+/// # Errors
+/// One fault, with a table of everything that the patch needs against what the machine has.
+pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), PatchFaults> {
+    let netlist = &ordered.netlist;
+    let needs = needs(netlist);
+    let shortfalls = profile.shortfalls(&needs);
+    let Some(worst) = shortfalls.first() else {
+        return Ok(());
+    };
+    let takes = |kind: &Kind| {
+        let class = class(kind);
+        class == Some(worst.class)
+            || (worst.class == BlockClass::Dac && class == Some(BlockClass::Mdac))
+    };
+    let first_without = (0..netlist.blocks.len())
+        .filter(|index| takes(&netlist.blocks[*index].kind))
+        .nth(worst.available as usize)
+        .unwrap_or(0);
+    let mut table = format!("  {:<20} {:>7} {:>10}", "class", "needed", "available");
+    for class in BlockClass::ALL {
+        let short = shortfalls.iter().find(|s| s.class == class);
+        let needed = short.map_or(needs.get(&class).copied().unwrap_or(0), |s| s.needed);
+        if needed == 0 {
+            continue;
+        }
+        let available = profile
+            .available(class)
+            .map_or_else(|| "any".to_owned(), |count| count.to_string());
+        let mark = if short.is_some() { "  too few" } else { "" };
+        let row = format!("\n  {:<20} {needed:>7} {available:>10}{mark}", class.key());
+        table.push_str(&row);
+    }
+    let mut faults = Faults::new(ordered.sources().clone(), ordered.root());
+    let block = &netlist.blocks[BlockId(u32::try_from(first_without).unwrap_or(0)).index()];
+    faults.push(block.span, |src, at| PatchFault::TooManyBlocks {
+        src,
+        at,
+        profile: profile.name.clone(),
+        table,
+        help: "take a larger machine (profile `ideal` has no limit), or save blocks: coefficients on inputs need no pots or gains, and a summer in front of an integrator is the integrator's own".into(),
+    });
+    faults.into_result()
+}

@@ -1,0 +1,20 @@
+//! The sampling laboratory: what an interface does to a loop, with theory beside measurement.
+//!
+//! Each experiment is a *setting* (what to vary), a *law* (a small state machine
+//! `step(frame, adc, updates)` that the executive runs once a frame), a *plan*
+//! (patch, parameters, frame, latency, hold) and *rows* (measured beside theory).
+//! Nothing here knows how frames travel or prints a report.
+
+pub mod alpha;
+pub mod axes;
+pub mod converter_error;
+pub mod feedback;
+pub mod function_generation;
+pub mod identify;
+pub mod loop_law;
+#[cfg(test)]
+mod plain_machine;
+pub mod plan;
+pub mod study_file;
+pub mod table;
+pub mod theory;
