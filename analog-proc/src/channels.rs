@@ -107,7 +107,11 @@ impl Channels {
                         Err(e) => fault(&e),
                     }
                 }
-                Kind::Dcu { channel, initial, range } => match profile.coefficient_unit(range) {
+                Kind::Dcu {
+                    channel,
+                    initial,
+                    range,
+                } => match profile.coefficient_unit(range) {
                     Ok(unit) => channels.dcu.push(DcuChannel {
                         channel: channel as usize,
                         unit,
@@ -343,7 +347,10 @@ impl Channels {
                 simulation.set_control(*line as u32, *on);
             }
         }
-        self.transfers.push(Transfer { frame: updates.frame, tick: at });
+        self.transfers.push(Transfer {
+            frame: updates.frame,
+            tick: at,
+        });
     }
 
     /// The next instant after `from` at which an interpolating hold has reached its value.
@@ -389,7 +396,11 @@ impl Channels {
             let tick = Tick::from_secs(edge.t_s).unwrap_or_default() + shift;
             match samples.edges.get_mut(samples.edge_count as usize) {
                 Some(slot) => {
-                    *slot = Edge { tick, line: edge.line, rising: u32::from(edge.rising) };
+                    *slot = Edge {
+                        tick,
+                        line: edge.line,
+                        rising: u32::from(edge.rising),
+                    };
                     samples.edge_count += 1;
                 }
                 None => samples.edges_lost = samples.edges_lost.saturating_add(1),
@@ -402,7 +413,11 @@ impl Channels {
             }
         }
         samples.dac_saturated |= std::mem::take(&mut self.dac_saturated);
-        for (told, new) in samples.dcu_saturated.iter_mut().zip(&mut self.dcu_saturated) {
+        for (told, new) in samples
+            .dcu_saturated
+            .iter_mut()
+            .zip(&mut self.dcu_saturated)
+        {
             *told |= std::mem::take(new);
         }
         samples.overloads = simulation.overloads().len() as u32;

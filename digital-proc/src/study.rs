@@ -5,4 +5,5 @@ pub mod failure_file;
 pub mod fault;
 pub mod gain_design;
 pub mod long_period;
+pub mod sensitivity;
 pub mod short_period;

@@ -55,7 +55,9 @@ impl Lowering {
             }
             Kind::Inverter => self.weighted(o, block, -1.0)?,
             Kind::Gain { k } | Kind::Pot { k } => self.weighted(o, block, *k)?,
-            Kind::Dcu { channel, initial, .. } => {
+            Kind::Dcu {
+                channel, initial, ..
+            } => {
                 let u = self.sum(&block.inputs)?;
                 let dcu = self.dcu(*channel, *initial);
                 let varying = self.vary(&[u.slot]);

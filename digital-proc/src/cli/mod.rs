@@ -3,8 +3,11 @@
 //! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the
 //! partner process failed, 130 interrupted.
 
+mod design_gains;
 mod failure;
 mod fly;
+mod sensitivity;
+mod study_run;
 
 pub use failure::Failure;
 
@@ -38,6 +41,10 @@ struct Cli {
 enum Command {
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
+    /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
+    DesignGains(design_gains::DesignGains),
+    /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
+    Sensitivity(sensitivity::Sensitivity),
 }
 
 /// The link between the two sides.
@@ -105,6 +112,8 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
     };
     let done = match cli.command {
         Command::Fly(c) => c.execute(&context),
+        Command::DesignGains(c) => c.execute(&context),
+        Command::Sensitivity(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -8,11 +8,13 @@ mod block_diagram;
 mod claims;
 pub mod flight;
 pub mod format;
+pub mod gain_design;
 #[cfg(test)]
 mod gallery;
 mod page;
 pub mod plot;
 mod provenance;
+pub mod sensitivity;
 mod summary;
 mod table;
 mod theme;
