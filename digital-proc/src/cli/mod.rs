@@ -6,6 +6,7 @@
 mod design_gains;
 mod failure;
 mod fly;
+mod long_period;
 mod sensitivity;
 mod study_run;
 
@@ -41,6 +42,8 @@ struct Cli {
 enum Command {
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
+    /// Fly every mode of the failure file and judge the claims about trajectory and loads
+    LongPeriod(long_period::LongPeriod),
     /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
     DesignGains(design_gains::DesignGains),
     /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
@@ -112,6 +115,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
     };
     let done = match cli.command {
         Command::Fly(c) => c.execute(&context),
+        Command::LongPeriod(c) => c.execute(&context),
         Command::DesignGains(c) => c.execute(&context),
         Command::Sensitivity(c) => c.execute(&context),
     };

@@ -11,6 +11,7 @@ pub mod format;
 pub mod gain_design;
 #[cfg(test)]
 mod gallery;
+pub mod long_period;
 mod page;
 pub mod plot;
 mod provenance;
