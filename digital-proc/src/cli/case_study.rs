@@ -8,7 +8,6 @@ use super::{
 };
 use crate::{
     console::Console,
-    flight::FlightFault,
     progress::Progress,
     report::{
         case_study::{case_study_report, report_claims},
@@ -132,7 +131,7 @@ impl CaseStudy {
 impl From<StudyFault> for Failure {
     fn from(fault: StudyFault) -> Failure {
         match fault {
-            StudyFault::Flight(FlightFault::Console(fault)) => fault.into(),
+            StudyFault::Flight(fault) => fault.into(),
             other => Failure::input(other),
         }
     }

@@ -9,6 +9,7 @@ pub mod case_study;
 mod claims;
 pub mod flight;
 pub mod format;
+pub mod gain_design;
 #[cfg(test)]
 mod gallery;
 pub mod pacing;
@@ -16,6 +17,8 @@ mod page;
 pub mod plot;
 mod provenance;
 pub mod short_period;
+pub mod long_period;
+pub mod sensitivity;
 mod summary;
 mod table;
 mod theme;
