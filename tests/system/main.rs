@@ -7,6 +7,7 @@ mod determinism;
 mod faults;
 mod flight;
 mod frame_cycle;
+mod long_period;
 mod partition;
 mod sampling;
 mod sessions;
