@@ -4,16 +4,16 @@
 //! partner process failed, 130 interrupted.
 
 mod case_study;
+mod design_gains;
 mod failure;
 mod fly;
+mod long_period;
 mod replay;
 mod runs;
+mod sampling;
+mod sensitivity;
 mod short_period;
 mod study_input;
-mod sampling;
-mod design_gains;
-mod long_period;
-mod sensitivity;
 mod study_run;
 
 pub use failure::Failure;

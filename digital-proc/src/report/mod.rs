@@ -12,13 +12,13 @@ pub mod format;
 pub mod gain_design;
 #[cfg(test)]
 mod gallery;
+pub mod long_period;
 pub mod pacing;
 mod page;
 pub mod plot;
 mod provenance;
-pub mod short_period;
-pub mod long_period;
 pub mod sensitivity;
+pub mod short_period;
 mod summary;
 mod table;
 mod theme;
