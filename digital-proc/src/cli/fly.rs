@@ -118,7 +118,7 @@ impl Fly {
         let started = UtcSecond::from_system(SystemTime::now());
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
-        let stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
 
         let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)
             .map_err(Failure::input)?;
@@ -149,7 +149,7 @@ impl Fly {
         let stop_s = plan.stop.secs();
         let mut progress = Progress::new(stop_s as u64, "s of flight");
         let mut saturations = Saturations::default();
-        let flown = stage.fly_timed(&mut console, &plan, timing, |frame, result| {
+        let flown = stage.fly_timed(&mut console, &vehicle, &plan, timing, |frame, result| {
             progress.at(result.sample.time_s as u64);
             saturations.note(frame);
             let unwritten = |e: TraceError| FlightFault::Observer(e.to_string());

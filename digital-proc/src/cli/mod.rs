@@ -3,13 +3,18 @@
 //! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the
 //! partner process failed, 130 interrupted.
 
+mod case_study;
+mod design_gains;
 mod failure;
 mod fly;
+mod long_period;
 mod replay;
 mod runs;
+mod sampling;
+mod sensitivity;
 mod short_period;
 mod study_input;
-mod sampling;
+mod study_run;
 
 pub use failure::Failure;
 
@@ -24,6 +29,8 @@ use std::{
 ///
 /// It starts its partner `analog-proc` by itself; always two processes, joined by shared memory.
 ///
+///     digital-proc case-study               the whole paper, claim by claim
+///     digital-proc short-period pitch       step responses at all trajectory points
 ///     digital-proc fly                      the normal long-period flight, 49 s
 ///     digital-proc fly --mode roll-lost     with a failure of the roll control
 ///     digital-proc list                     the runs so far
@@ -41,6 +48,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run the paper's case study and say of each claim whether it holds
+    CaseStudy(case_study::CaseStudy),
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
     /// Repeat a recorded flight in lock-step and compare it to the last bit
@@ -55,6 +64,12 @@ enum Command {
     ShortPeriod(short_period::ShortPeriod),
     /// The sampling laboratory: what an interface does to a loop, measured beside theory
     Sampling(sampling::Sampling),
+    /// Fly every mode of the failure file and judge the claims about trajectory and loads
+    LongPeriod(long_period::LongPeriod),
+    /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
+    DesignGains(design_gains::DesignGains),
+    /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
+    Sensitivity(sensitivity::Sensitivity),
 }
 
 /// The link between the two sides.
@@ -142,6 +157,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         interrupted,
     };
     let done = match cli.command {
+        Command::CaseStudy(c) => c.execute(&context),
         Command::Fly(c) => c.execute(&context),
         Command::Replay(c) => c.execute(&context),
         Command::List(c) => c.execute(),
@@ -149,6 +165,9 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         Command::Plot(c) => c.execute(),
         Command::ShortPeriod(c) => c.execute(&context),
         Command::Sampling(c) => c.execute(&context),
+        Command::LongPeriod(c) => c.execute(&context),
+        Command::DesignGains(c) => c.execute(&context),
+        Command::Sensitivity(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -73,7 +73,7 @@ impl Replay {
 
         let mut machine = self.join.start(context)?;
         let mut console = Console::new(machine.port());
-        let stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
         if let Some(patch) = &record.patch
             && patch.sha256 != console.patch_hash()
         {
@@ -94,7 +94,7 @@ impl Replay {
             Some((log, _)) => Timing::Replay(log),
         };
         let mut progress = Progress::new(plan.stop.secs() as u64, "s of flight");
-        let flown = stage.fly_timed(&mut console, &plan, timing, |frame, result| {
+        let flown = stage.fly_timed(&mut console, &vehicle, &plan, timing, |frame, result| {
             progress.at(result.sample.time_s as u64);
             rows.push(frame.tick, &trace::row(frame, result))
                 .map_err(|e| FlightFault::Observer(e.to_string()))
