@@ -15,7 +15,7 @@ use std::{
 };
 
 /// No command of a lesson may take longer than this, on a loaded machine without optimisation.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 fn teaching_text() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("patch-files/README.md");
