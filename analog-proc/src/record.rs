@@ -23,6 +23,20 @@ const BATCH_ROWS: usize = 1024;
 pub struct RecordFault {
     path: PathBuf,
     reason: String,
+    reader_left: bool,
+}
+
+impl RecordFault {
+    /// Whether the program that read standard output has had enough, as `head` has.
+    #[must_use]
+    pub fn reader_left(&self) -> bool {
+        self.reader_left
+    }
+}
+
+/// Whether an error is that of a pipe without reader.
+fn is_broken_pipe(error: &std::io::Error) -> bool {
+    error.kind() == std::io::ErrorKind::BrokenPipe
 }
 
 enum Sink {
@@ -54,6 +68,7 @@ impl Recorder {
         let fault = |reason: String| RecordFault {
             path: path.to_owned(),
             reason,
+            reader_left: false,
         };
         let header = std::iter::once("time").chain(names);
         let sink = if path.extension().is_some_and(|e| e == "arrow") {
@@ -94,10 +109,16 @@ impl Recorder {
     /// [`RecordFault`] when the file cannot take it.
     pub fn row(&mut self, time_s: f64, values: &[f64]) -> Result<(), RecordFault> {
         let row = std::iter::once(time_s).chain(values.iter().copied());
+        let mut reader_left = false;
         let done = match &mut self.sink {
             Sink::Csv(writer) => writer
                 .write_record(row.map(|v| format!("{v:.16e}")))
-                .map_err(|e| e.to_string()),
+                .map_err(|e| {
+                    if let csv::ErrorKind::Io(error) = e.kind() {
+                        reader_left = is_broken_pipe(error);
+                    }
+                    e.to_string()
+                }),
             Sink::Arrow(file) => {
                 for (column, value) in file.columns.iter_mut().zip(row) {
                     column.push(value);
@@ -111,6 +132,7 @@ impl Recorder {
         done.map_err(|reason| RecordFault {
             path: self.path.clone(),
             reason,
+            reader_left,
         })
     }
 
@@ -119,8 +141,12 @@ impl Recorder {
     /// # Errors
     /// [`RecordFault`] when the file cannot take it.
     pub fn finish(self) -> Result<(), RecordFault> {
+        let mut reader_left = false;
         let done = match self.sink {
-            Sink::Csv(mut writer) => writer.flush().map_err(|e| e.to_string()),
+            Sink::Csv(mut writer) => writer.flush().map_err(|e| {
+                reader_left = is_broken_pipe(&e);
+                e.to_string()
+            }),
             Sink::Arrow(mut file) => file
                 .write_batch()
                 .and_then(|()| file.writer.finish())
@@ -129,6 +155,7 @@ impl Recorder {
         done.map_err(|reason| RecordFault {
             path: self.path,
             reason,
+            reader_left,
         })
     }
 }
