@@ -5,6 +5,7 @@ mod bench_top;
 mod determinism;
 mod faults;
 mod flight;
+mod gain_design;
 mod long_period;
 mod partition;
 mod sessions;
