@@ -15,7 +15,7 @@ use interface::{
     coefficient::CoefficientUnit,
     control::{Channel, ChannelKind},
     converter::Converter,
-    frame::{EDGES_PER_FRAME, Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
+    frame::{Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
     hold::Hold,
     profile::Profile,
 };
@@ -406,11 +406,15 @@ impl Channels {
                 None => samples.edges_lost = samples.edges_lost.saturating_add(1),
             }
         }
-        for transfer in self.transfers.drain(..) {
-            if let Some(slot) = samples.transfers.get_mut(samples.transfer_count as usize) {
-                *slot = transfer;
-                samples.transfer_count += 1;
-            }
+        // What finds no room is told in the next frame.
+        let room = self.transfers.len().min(TRANSFERS_PER_FRAME);
+        for (slot, transfer) in samples
+            .transfers
+            .iter_mut()
+            .zip(self.transfers.drain(..room))
+        {
+            *slot = transfer;
+            samples.transfer_count += 1;
         }
         samples.dac_saturated |= std::mem::take(&mut self.dac_saturated);
         for (told, new) in samples

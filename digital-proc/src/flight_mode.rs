@@ -62,7 +62,8 @@ impl FlightMode {
 }
 
 /// A mode as a script.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct FlightScript {
     /// Name.
     pub name: String,
@@ -75,7 +76,7 @@ pub struct FlightScript {
 }
 
 /// Which gain schedule is loaded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Schedule {
     /// The one designed from the short-period models.
@@ -85,7 +86,8 @@ pub enum Schedule {
 }
 
 /// One scripted event.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct Action {
     /// Flight time from which it acts, s.
     pub at_s: f64,
@@ -94,7 +96,8 @@ pub struct Action {
 }
 
 /// What an action does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Effect {
     /// Sets the factor on a quantity: 0 dead, 1 sound.
     Factor(Part, f64),
@@ -105,7 +108,8 @@ pub enum Effect {
 }
 
 /// A part of the control system that an action may weaken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Part {
     /// Gain of the roll loop.
     RollGain,

@@ -1,5 +1,6 @@
 //! The studies of the paper's section 4.
 
+pub mod case_study;
 pub mod claim;
 pub mod failure_file;
 pub mod fault;

@@ -74,7 +74,14 @@ fn a_users_failure_file_flies_and_its_mistakes_are_told() {
     std::fs::write(&path, good).unwrap();
     let file = path.to_str().unwrap();
     let fly = |mode: &str, code: i32| {
-        let args = ["--mode", mode, "--failures", file, "--json", "--design-case"];
+        let args = [
+            "--mode",
+            mode,
+            "--failures",
+            file,
+            "--json",
+            "--design-case",
+        ];
         expect(&mut bench.fly(&args), code)
     };
     let flown = fly("late-roll", 0);

@@ -2,10 +2,14 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod bench_top;
+mod case_study;
 mod determinism;
+mod exercises;
 mod faults;
 mod flight;
+mod frame_cycle;
 mod gain_design;
 mod long_period;
 mod partition;
+mod sampling;
 mod sessions;

@@ -1,6 +1,7 @@
 //! Mode control of single integrators: operate, hold, reset, feedback-diode limits.
 
-use crate::machine::{Frozen, Slot, Term};
+use crate::machine::Frozen;
+use crate::op::{Slot, Term};
 
 /// An integrator with mode control or limits.
 #[derive(Clone, Copy, Debug)]

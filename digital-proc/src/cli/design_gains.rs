@@ -19,7 +19,7 @@ use crate::{
             schedule::as_toml,
             search::Effort,
         },
-        long_period::run::{LongPeriodPlan, StudyFault},
+        long_period::run::LongPeriodPlan,
     },
 };
 use interface::profile::Profile;
@@ -227,15 +227,6 @@ impl From<DesignFault> for Failure {
     fn from(fault: DesignFault) -> Failure {
         match fault {
             DesignFault::Console(fault) => fault.into(),
-            other => Failure::input(other),
-        }
-    }
-}
-
-impl From<StudyFault> for Failure {
-    fn from(fault: StudyFault) -> Failure {
-        match fault {
-            StudyFault::Flight(fault) => fault.into(),
             other => Failure::input(other),
         }
     }

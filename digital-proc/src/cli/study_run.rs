@@ -1,6 +1,6 @@
 //! What the study commands share: vehicle, run directory, record.
 
-use super::{Failure, LinkName, MachineArgs};
+use super::{Failure, MachineArgs};
 use crate::{
     report::{Section, page, provenance},
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
@@ -47,10 +47,7 @@ impl StudyRun {
         let started = UtcSecond::from_system(SystemTime::now());
         let directory =
             RunDirectory::create(&args.out, command, started).map_err(Failure::input)?;
-        let link = match (&machine.attach, machine.link) {
-            (Some(_), _) | (None, LinkName::Shm) => "shm",
-            (None, LinkName::Memory) => "memory",
-        };
+        let link = machine.join.link_name();
         let mut parameters = toml::Table::new();
         if let Ok(data) = toml::Value::try_from(vehicle.data()) {
             parameters.insert("vehicle".to_owned(), data);

@@ -5,10 +5,14 @@
 
 pub mod channels;
 mod law;
+pub mod pacing;
+pub mod plan_record;
+mod timing;
 pub mod trace;
 
 pub use channels::AttitudeSample;
 pub use law::FrameResult;
+pub use timing::{OutOfOrder, Timing, TransferLog};
 
 use crate::{
     console::{Console, ConsoleFault},
@@ -21,14 +25,16 @@ use crate::{
 use channels::StageChannels;
 use interface::{
     Tick,
-    control::{Clock, PatchBundle, RunSpec},
+    control::{PatchBundle, RunSpec},
     frame::{ModeCommand, Samples, Updates},
     profile::Profile,
 };
 use law::FlightLaw;
+use std::cell::Cell;
 
 /// How the angle of attack reaches the rotational equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AlphaPath {
     /// By the redundant analog integrator, corrected at the trajectory's rate.
     Redundant,
@@ -173,12 +179,27 @@ impl Stage {
         plan: &FlightPlan,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
+        self.fly_timed(console, vehicle, plan, Timing::LockStep, observe)
+    }
+
+    /// As [`Stage::fly`], free-running or as it was recorded.
+    ///
+    /// # Errors
+    /// As [`Stage::fly`].
+    pub fn fly_timed(
+        &mut self,
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        plan: &FlightPlan,
+        timing: Timing<'_>,
+        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ) -> Result<FlightSummary, FlightFault> {
         let parameters = parameters(vehicle);
         if parameters != self.parameters {
             console.set_params(parameters.clone())?;
             self.parameters = parameters;
         }
-        fly_loaded(console, vehicle, &self.channels, plan, observe)
+        fly_loaded(console, (vehicle, &self.channels), plan, timing, observe)
     }
 }
 
@@ -198,9 +219,9 @@ pub fn fly(
 
 fn fly_loaded(
     console: &mut Console<'_>,
-    vehicle: &Vehicle,
-    channels: &StageChannels,
+    (vehicle, channels): (&Vehicle, &StageChannels),
     plan: &FlightPlan,
+    timing: Timing<'_>,
     mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
 ) -> Result<FlightSummary, FlightFault> {
     let frame = plan
@@ -231,26 +252,43 @@ fn fly_loaded(
         skew: plan.skew,
         stop: plan.stop,
         from_ic: true,
-        clock: Clock::LockStep,
+        clock: timing.clock(),
     };
     let mut monitor = FlightMonitor::new(vehicle);
-    let mut lost = None;
-    console.operate::<FlightFault>(&spec, |samples: &Samples, updates: &mut Updates| {
-        if lost.is_some() {
-            return Ok(());
-        }
-        let done = law.frame(samples, updates).and_then(|result| {
-            monitor.observe(&result.sample, result.edges);
-            observe(samples, &result)
-        });
-        if let Err(fault) = done {
-            // The analog run is ended in good order, so that the session can go on.
+    // Set by either part of a frame; the analog run is then ended in good order, so
+    // that the session can go on.
+    let lost = Cell::new(None);
+    let is_lost = || {
+        let fault = lost.take();
+        let is_lost = fault.is_some();
+        lost.set(fault);
+        is_lost
+    };
+    console.operate_then::<_, FlightFault>(
+        &spec,
+        |samples: &Samples, updates: &mut Updates| {
+            if let Some(effective) = timing.effective(samples.frame) {
+                updates.effective = effective;
+            }
+            if !is_lost() {
+                match law.frame(samples, updates) {
+                    Ok(result) => return Ok(Some(result)),
+                    Err(fault) => lost.set(Some(fault)),
+                }
+            }
             updates.mode = ModeCommand::End as u32;
-            lost = Some(fault);
-        }
-        Ok(())
-    })?;
-    if let Some(fault) = lost {
+            updates.effective = samples.tick;
+            Ok(None)
+        },
+        |samples, result| {
+            if let Some(result) = result {
+                monitor.observe(&result.sample, result.edges);
+                observe(samples, &result).unwrap_or_else(|fault| lost.set(Some(fault)));
+            }
+            Ok(())
+        },
+    )?;
+    if let Some(fault) = lost.take() {
         return Err(fault);
     }
     monitor

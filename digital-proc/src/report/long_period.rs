@@ -6,7 +6,9 @@ use super::{
     plot::{Axis, Limit, LineChart, Series, Size, line_chart},
     side_by_side,
 };
-use crate::study::long_period::results::{FlightWind, Flown, History, LongPeriodResults, ModeResult};
+use crate::study::long_period::results::{
+    FlightWind, Flown, History, LongPeriodResults, ModeResult,
+};
 use maud::{Markup, html};
 
 /// Curves that one chart can carry before they hide each other.
@@ -209,14 +211,14 @@ pub fn long_period_sections(
     end_s: f64,
 ) -> Vec<Section> {
     let mut numbering = Numbering::new();
-    let caption =
-        |label: &str| format!("{label} against time, all modes in the design case (after the paper's figure 6).");
+    let caption = |label: &str| {
+        format!("{label} against time, all modes in the design case (after the paper's figure 6).")
+    };
     let (loads, others): (Vec<_>, Vec<_>) = variable_charts(results)
         .into_iter()
         .partition(|(id, _, _)| *id == "q-alpha");
-    let mut figure = |(id, label, chart): (&str, &str, Markup)| {
-        numbering.figure(id, &caption(label), chart)
-    };
+    let mut figure =
+        |(id, label, chart): (&str, &str, Markup)| numbering.figure(id, &caption(label), chart);
     let loads: Vec<Markup> = loads.into_iter().map(&mut figure).collect();
     let charts: Vec<Markup> = others.into_iter().map(&mut figure).collect();
     let designed = schedule_charts(&[("designed", &results.designed)], end_s);
@@ -238,10 +240,7 @@ pub fn long_period_sections(
                 p { (fuel_words(results)) "." }
             },
         ),
-        Section::new(
-            "Load profiles",
-            html! { @for load in &loads { (load) } },
-        ),
+        Section::new("Load profiles", html! { @for load in &loads { (load) } }),
         Section::new("Monitored variables", side_by_side(&charts)),
         Section::new(
             "Gain schedules",

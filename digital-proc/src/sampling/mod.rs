@@ -7,6 +7,7 @@
 
 pub mod alpha;
 pub mod axes;
+pub mod bench;
 pub mod converter_error;
 pub mod feedback;
 pub mod function_generation;

@@ -1,0 +1,150 @@
+//! A user's own loop.
+
+use super::{Measure, outcome::Outcome};
+use crate::{
+    cli::Failure,
+    patch_source::bundle_from_path,
+    progress::Progress,
+    report::{
+        Cell, Heading, Table,
+        plot::{Axis, LineChart, Series},
+    },
+    sampling::{
+        bench::Bench,
+        study_file::{self, LoopRow},
+    },
+};
+use std::path::PathBuf;
+
+/// A loop of your own: a patch with ADC and DAC lines, and a digital law, from one TOML file.
+///
+///     title = "My servo"
+///     patch = "servo.toml"            # beside this file
+///     stop = "20s"
+///     measure = "x_adc"               # the ADC whose record is judged
+///
+///     [params]                        # values for the patch's [params]
+///     wn = 3.0
+///
+///     [sweep]
+///     frame = ["20ms", "50ms"]
+///     latency = [0.0, 1.0]            # in frames
+///     bits = [8, 12, 0]               # 0: ideal converters; bits need `max` at ADC and DAC
+///
+///     [[law]]                         # one or more
+///     kind = "gain-matrix"            # y = G x
+///     inputs = ["x_adc"]
+///     outputs = ["u"]
+///     gain = [[9.0]]
+///
+/// Other kinds, each with one `input` and one `output`: `difference-equation` (`numerator`,
+/// `denominator`), `delay` (`frames`, `gain`), `table` (`x`, `y`). A fault names file and line.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Loop {
+    /// The study
+    #[arg(value_name = "STUDY.toml")]
+    study: PathBuf,
+}
+
+impl Measure for Loop {
+    fn measure(&self, bench: &mut Bench<'_, '_>) -> Result<Outcome, Failure> {
+        let file = self.study.display().to_string();
+        let text = std::fs::read_to_string(&self.study)
+            .map_err(|e| Failure::input(format!("cannot read the study {file}: {e}")))?;
+        let study = study_file::parse(&file, &text).map_err(Failure::input)?;
+        let folder = self.study.parent().unwrap_or(std::path::Path::new(""));
+        let bundle = bundle_from_path(&folder.join(&study.patch)).map_err(|e| {
+            let line = text
+                .lines()
+                .position(|l| l.trim_start().starts_with("patch"))
+                .map_or(1, |i| i + 1);
+            Failure::input(format!("{file}:{line}: {e}"))
+        })?;
+        let mut outcome = Outcome::new(
+            "loop",
+            study.patch.clone(),
+            study.title.clone(),
+            "The least damped mode of the measured record over frame period, latency and bits.",
+        );
+        outcome.set("study", text.clone());
+        let mut table = Table::new(vec![
+            Heading::new("frame", "s"),
+            Heading::new("latency", "s"),
+            Heading::new("bits", ""),
+            Heading::new("zeta", ""),
+            Heading::new("omega", "rad/s"),
+            Heading::new("growth per cycle", "").digits(5),
+            Heading::new("last tenth / first tenth", "").digits(3),
+        ]);
+        let number = |v: Option<f64>| v.map_or_else(|| Cell::from("-"), Cell::from);
+        let mut rows: Vec<LoopRow> = Vec::new();
+        let mut progress = Progress::new(study.cases.len() as u64, "cases");
+        for case in &study.cases {
+            let row = bench.study_case(&study, &bundle, case)?;
+            table.row([
+                row.frame_s.into(),
+                row.latency_s.into(),
+                row.bits
+                    .map_or_else(|| Cell::from("ideal"), |b| f64::from(b).into()),
+                number(row.zeta),
+                number(row.omega_rad_s),
+                number(row.growth_per_cycle),
+                row.last_over_first.into(),
+            ]);
+            rows.push(row);
+            progress.at(rows.len() as u64);
+        }
+        progress.done();
+        outcome.table("loop", "Least damped oscillatory mode of each case.", table);
+        let mut kinds: Vec<(f64, Option<u32>)> = Vec::new();
+        for row in &rows {
+            let kind = (share(row), row.bits);
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+            }
+        }
+        let series = |value: fn(&LoopRow) -> Option<f64>| -> Vec<Series> {
+            kinds
+                .iter()
+                .map(|kind| {
+                    let (x, y): (Vec<f64>, Vec<f64>) = rows
+                        .iter()
+                        .filter(|r| (share(r), r.bits) == *kind)
+                        .map(|r| (r.frame_s * 1e3, value(r).unwrap_or(f64::NAN)))
+                        .unzip();
+                    let bits = kind.1.map_or("ideal".to_owned(), |b| format!("{b} bits"));
+                    Series::line(format!("latency {} frames, {bits}", kind.0), &x, &y)
+                        .draw(crate::report::plot::Draw::LineAndMarkers)
+                })
+                .collect()
+        };
+        outcome.chart(
+            "damping",
+            "Damping ratio of the least damped oscillatory mode; below zero the loop is unstable.",
+            LineChart::new(
+                "Damping",
+                Axis::new("frame", "ms"),
+                Axis::new("damping ratio ζ", ""),
+                series(|r| r.zeta),
+            )
+            .limit(0.0, "stability"),
+        );
+        outcome.chart(
+            "frequency",
+            "Its frequency.",
+            LineChart::new(
+                "Frequency",
+                Axis::new("frame", "ms"),
+                Axis::new("frequency", "rad/s"),
+                series(|r| r.omega_rad_s),
+            ),
+        );
+        Ok(outcome)
+    }
+}
+
+/// Latency in frames, to a thousandth.
+fn share(row: &LoopRow) -> f64 {
+    (1e3 * row.latency_s / row.frame_s).round() / 1e3
+}
