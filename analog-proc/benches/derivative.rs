@@ -6,9 +6,12 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use std::hint::black_box;
+use std::{hint::black_box, path::Path};
 
-use analog_proc::net::{Kind, Level};
+use analog_proc::block::dac::DacPiece;
+use analog_proc::net::{Integration, Kind};
+use analog_proc::patch::{bundle_from_path, compile};
+use analog_proc::simulation::Simulation;
 use common::{Patch, integrator};
 use criterion::{Criterion, criterion_group, criterion_main};
 use interface::Tick;
@@ -39,6 +42,7 @@ const A: [&[f64]; 6] = [
         11.0 / 84.0,
     ],
 ];
+const C: [f64; 6] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
 const E: [f64; 7] = [
     71.0 / 57600.0,
     0.0,
@@ -51,7 +55,7 @@ const E: [f64; 7] = [
 
 /// Adaptive 5(4) by hand on an array of fixed size; returns the state and the steps.
 fn by_hand<const N: usize>(
-    f: impl Fn(&[f64; N]) -> [f64; N],
+    f: impl Fn(f64, &[f64; N]) -> [f64; N],
     mut y: [f64; N],
     stop_s: f64,
     rtol: f64,
@@ -59,7 +63,7 @@ fn by_hand<const N: usize>(
 ) -> ([f64; N], u32) {
     let (mut t, mut h, mut steps) = (0.0, 1e-4_f64, 0);
     let mut k = [[0.0; N]; 7];
-    k[0] = f(&y);
+    k[0] = f(t, &y);
     while t < stop_s {
         h = h.min(stop_s - t);
         let mut end = y;
@@ -71,7 +75,7 @@ fn by_hand<const N: usize>(
                 }
                 end[i] = y[i] + h * sum;
             }
-            k[stage + 1] = f(&end);
+            k[stage + 1] = f(t + C[stage] * h, &end);
         }
         let mut norm = 1e-10_f64;
         for i in 0..N {
@@ -89,43 +93,52 @@ fn by_hand<const N: usize>(
     (y, steps)
 }
 
-fn compare<const N: usize>(
-    c: &mut Criterion,
-    name: &str,
-    patch: &Patch,
-    f: impl Fn(&[f64; N]) -> [f64; N] + Copy,
+struct Run<const N: usize> {
+    name: &'static str,
     start: [f64; N],
     stop_s: f64,
+    rtol: f64,
+    atol: f64,
+    /// Sets, after a reset, what the digital side would.
+    preset: fn(&mut Simulation),
+}
+
+fn compare<const N: usize>(
+    c: &mut Criterion,
+    simulation: &mut Simulation,
+    run: &Run<N>,
+    f: impl Fn(f64, &[f64; N]) -> [f64; N] + Copy,
 ) {
-    let mut simulation = patch.simulation();
-    let (rtol, atol) = (patch.integration.rtol, patch.integration.atol);
-    let stop = Tick::from_secs(stop_s).unwrap();
-    simulation.advance_to(stop).unwrap();
-    let (end, steps) = by_hand(f, start, stop_s, rtol, atol);
+    let stop = Tick::from_secs(run.stop_s).unwrap();
+    let fly = |simulation: &mut Simulation| {
+        simulation.reset().unwrap();
+        (run.preset)(simulation);
+        simulation.advance_to(stop).unwrap()
+    };
+    let by_hand = || by_hand(f, black_box(run.start), run.stop_s, run.rtol, run.atol);
+    fly(simulation);
+    let (end, steps) = by_hand();
     println!(
-        "{name}: {:?}; by hand {steps} steps, ends at {:?}",
+        "{}: {} operations, {:?}; by hand {steps} steps, ends at {end:?}",
+        run.name,
+        simulation.machine().operations(),
         simulation.statistics(),
-        end[0]
     );
     simulation.reset().unwrap();
-    let mut group = c.benchmark_group(name);
+    (run.preset)(simulation);
+    let mut group = c.benchmark_group(run.name);
     group.bench_function("pass", |b| {
         b.iter(|| black_box(simulation.derivative_pass()))
     });
     group.bench_function("pass by hand", |b| {
-        b.iter(|| black_box(f(black_box(&start))))
+        b.iter(|| black_box(f(0.0, black_box(&run.start))))
     });
-    group.bench_function("integrate", |b| {
-        b.iter(|| {
-            simulation.reset().unwrap();
-            simulation.advance_to(stop).unwrap()
-        });
-    });
-    group.bench_function("integrate by hand", |b| {
-        b.iter(|| by_hand(f, black_box(start), stop_s, rtol, atol));
-    });
+    group.bench_function("integrate", |b| b.iter(|| fly(simulation)));
+    group.bench_function("integrate by hand", |b| b.iter(by_hand));
     group.finish();
 }
+
+fn nothing(_: &mut Simulation) {}
 
 fn lorenz(c: &mut Criterion) {
     let mut patch = Patch::new();
@@ -136,14 +149,22 @@ fn lorenz(c: &mut Criterion) {
     patch.add("z", integrator(1.0), &["xy", "-2.6666666666666665 * z"]);
     patch.add("xz", Kind::Multiplier, &["x", "z"]);
     patch.add("xy", Kind::Multiplier, &["x", "y"]);
-    let f = |&[x, y, z]: &[f64; 3]| {
+    let f = |_: f64, &[x, y, z]: &[f64; 3]| {
         [
             10.0 * y - 10.0 * x,
             28.0 * x - y - x * z,
             x * y - 2.666_666_666_666_666_5 * z,
         ]
     };
-    compare(c, "lorenz", &patch, f, [1.0; 3], 10.0);
+    let run = Run {
+        name: "lorenz",
+        start: [1.0; 3],
+        stop_s: 10.0,
+        rtol: 1e-7,
+        atol: 1e-9,
+        preset: nothing,
+    };
+    compare(c, &mut patch.simulation(), &run, f);
 }
 
 fn rod(c: &mut Criterion) {
@@ -161,70 +182,168 @@ fn rod(c: &mut Criterion) {
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         patch.add(&format!("u{i}"), integrator(1.0), &inputs);
     }
-    let f = |u: &[f64; 16]| {
+    let f = |_: f64, u: &[f64; 16]| {
         std::array::from_fn(|i| {
             let below = if i > 0 { u[i - 1] } else { 0.0 };
             let above = if i < 15 { u[i + 1] } else { 0.0 };
             -200.0 * u[i] + 100.0 * below + 100.0 * above
         })
     };
-    compare(c, "rod", &patch, f, [1.0; 16], 1.0);
+    let run = Run {
+        name: "rod",
+        start: [1.0; 16],
+        stop_s: 1.0,
+        rtol: 1e-7,
+        atol: 1e-9,
+        preset: nothing,
+    };
+    compare(c, &mut patch.simulation(), &run, f);
 }
 
-/// One plane of the stage: rigid body, rate gyro, filter, fin tip with travel and rate
-/// limits, secondary injection with dead zone and limit.
+/// The long-period patch as flown, with coefficients of about the greatest dynamic pressure:
+/// channel and value.
+const COEFFICIENTS: [(u32, f64); 26] = [
+    (0, 1.5),
+    (1, 1.5),
+    (2, -0.1),
+    (3, -0.1),
+    (4, -0.2),
+    (8, 0.8),
+    (9, 0.8),
+    (10, 2.0),
+    (11, 2.0),
+    (12, 0.3),
+    (13, 1.0),
+    (16, 0.5),
+    (17, 0.5),
+    (18, 2e5),
+    (19, 2e5),
+    (20, 5.0),
+    (21, 2.5),
+    (22, 2.5),
+    (23, 5e-5),
+    (24, 5e-5),
+    (25, 25.0),
+    (26, 25.0),
+    (27, 5e4),
+    (28, 2.5e4),
+    (29, 2.5e4),
+    (30, 1.0),
+];
+/// Signals held: dead zone, misalignments, cant; channel and value.
+const SIGNALS: [(u32, f64); 4] = [(6, 0.02), (7, 0.05), (8, 0.05), (9, 1.0)];
+/// Pitch command at lift-off, rad, and its slope, rad/s.
+const COMMAND: (f64, f64) = (std::f64::consts::FRAC_PI_2, -0.02);
+
+fn second_order(rate: f64, y: f64, y_dot: f64) -> [f64; 2] {
+    [100.0 * y_dot, 100.0 * rate - 100.0 * y - 140.0 * y_dot]
+}
+
+fn tip(command: f64, delta: f64) -> f64 {
+    let within = command.clamp(-10_f64.to_radians(), 10_f64.to_radians());
+    let rate = 100_f64.to_radians();
+    (20.0 * (within - delta)).clamp(-rate, rate)
+}
+
+fn injection(error: f64, force: f64) -> f64 {
+    let beyond = error - error.clamp(-0.02, 0.02);
+    10.0 * ((2e5 * beyond).clamp(-15000.0, 15000.0) - force)
+}
+
+/// What the patch says, as one would write it by hand.
+fn stage_by_hand(t_s: f64, y: &[f64; 20]) -> [f64; 20] {
+    let &[
+        alpha,
+        theta,
+        psi,
+        phi,
+        theta_dot,
+        psi_dot,
+        p,
+        gyro_q,
+        gyro_q_dot,
+        gyro_r,
+        gyro_r_dot,
+        gyro_p,
+        gyro_p_dot,
+        tip_p,
+        tip_2,
+        tip_4,
+        filter_p,
+        filter_y,
+        force_p,
+        force_y,
+    ] = y;
+    let (sin, cos) = phi.sin_cos();
+    let q = theta_dot * cos + psi_dot * sin;
+    let r = psi_dot * cos - theta_dot * sin;
+    let error_theta = COMMAND.0 + COMMAND.1 * t_s - theta;
+    let error_p = error_theta * cos - psi * sin;
+    let error_y = -psi * cos - error_theta * sin;
+    let moment_p = 5.0 * tip_p + 5e-5 * force_p + 0.05;
+    let moment_y = 2.5 * tip_2 + 2.5 * tip_4 + 5e-5 * force_y + 0.05;
+    let (u_yaw, u_roll) = (2.0 * filter_y, -phi - 0.3 * gyro_p);
+    let [gyro_q_1, gyro_q_2] = second_order(q, gyro_q, gyro_q_dot);
+    let [gyro_r_1, gyro_r_2] = second_order(r, gyro_r, gyro_r_dot);
+    let [gyro_p_1, gyro_p_2] = second_order(p, gyro_p, gyro_p_dot);
+    [
+        theta_dot,
+        theta_dot,
+        psi_dot,
+        p,
+        1.5 * alpha - 0.1 * theta_dot + moment_p * cos - moment_y * sin,
+        1.5 * psi - 0.1 * psi_dot + moment_p * sin + moment_y * cos,
+        -0.2 * p + 25.0 * tip_2 - 25.0 * tip_4 + 1.0,
+        gyro_q_1,
+        gyro_q_2,
+        gyro_r_1,
+        gyro_r_2,
+        gyro_p_1,
+        gyro_p_2,
+        tip(2.0 * filter_p, tip_p),
+        tip(u_yaw + u_roll, tip_2),
+        tip(u_yaw - u_roll, tip_4),
+        30.0 * (error_p - 0.8 * gyro_q - filter_p),
+        30.0 * (error_y - 0.8 * gyro_r - filter_y),
+        injection(error_p - 0.5 * gyro_q, force_p),
+        injection(error_y - 0.5 * gyro_r, force_y),
+    ]
+}
+
 fn stage(c: &mut Criterion) {
-    let mut patch = Patch::new();
-    patch.integration.rtol = 1e-7;
-    patch.integration.atol = 1e-9;
-    let limiter = |x: f64| Kind::Limiter {
-        low: Level::Fixed(-x),
-        high: Level::Fixed(x),
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patch-files/long-period.toml");
+    let bundle = bundle_from_path(&path).unwrap_or_else(|e| panic!("{}", e.render()));
+    let ordered = compile(&bundle, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let Integration { rtol, atol, .. } = ordered.netlist.integration;
+    let mut simulation = Simulation::new(&ordered).unwrap();
+    for (channel, value) in COEFFICIENTS {
+        simulation.set_dcu(channel, value);
+    }
+    for (channel, value) in SIGNALS {
+        simulation.set_dac(channel, DacPiece::held(value, 0.0));
+    }
+    let mut y = [0.0; 20];
+    y[1] = COMMAND.0;
+    let run = Run {
+        name: "stage",
+        start: y,
+        stop_s: 49.0,
+        rtol,
+        atol,
+        preset: |simulation: &mut Simulation| {
+            simulation.set_dac(
+                0,
+                DacPiece {
+                    value: COMMAND.0,
+                    slope_per_s: COMMAND.1,
+                    from_s: 0.0,
+                    settling_s: 0.0,
+                },
+            );
+            simulation.apply().unwrap();
+        },
     };
-    patch.add("theta", integrator(0.1), &["rate"]);
-    patch.add(
-        "rate",
-        integrator(0.0),
-        &["1.5 * theta", "-0.1 * rate", "20 * tip", "2e-4 * force"],
-    );
-    patch.add("gyro", integrator(0.0), &["100 * turn"]);
-    patch.add(
-        "turn",
-        integrator(0.0),
-        &["100 * rate", "-100 * gyro", "-140 * turn"],
-    );
-    patch.add(
-        "filter",
-        integrator(0.0),
-        &["-30 * theta", "-24 * gyro", "-30 * filter"],
-    );
-    patch.add("command", limiter(0.17), &["2 * filter"]);
-    patch.add("slope", limiter(1.75), &["20 * command", "-20 * tip"]);
-    patch.add("tip", integrator(0.0), &["slope"]);
-    let zone = Kind::DeadZone {
-        width: Level::Fixed(0.08),
-    };
-    patch.add("beyond", zone, &["-1 * theta", "-0.15 * gyro"]);
-    patch.add("demand", limiter(15000.0), &["200000 * beyond"]);
-    patch.add("force", integrator(0.0), &["10 * demand", "-10 * force"]);
-    let f = |&[theta, rate, gyro, turn, filter, tip, force]: &[f64; 7]| {
-        let command = (2.0 * filter).clamp(-0.17, 0.17);
-        let slope = (20.0 * (command - tip)).clamp(-1.75, 1.75);
-        let error = -theta - 0.15 * gyro;
-        let beyond = error - error.clamp(-0.08, 0.08);
-        let demand = (200_000.0 * beyond).clamp(-15000.0, 15000.0);
-        [
-            rate,
-            1.5 * theta - 0.1 * rate + 20.0 * tip + 2e-4 * force,
-            100.0 * turn,
-            100.0 * rate - 100.0 * gyro - 140.0 * turn,
-            -30.0 * theta - 24.0 * gyro - 30.0 * filter,
-            slope,
-            10.0 * demand - 10.0 * force,
-        ]
-    };
-    let start = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    compare(c, "stage", &patch, f, start, 49.0);
+    compare(c, &mut simulation, &run, stage_by_hand);
 }
 
 criterion_group!(benches, lorenz, rod, stage);

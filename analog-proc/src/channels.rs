@@ -15,7 +15,7 @@ use interface::{
     coefficient::CoefficientUnit,
     control::{Channel, ChannelKind},
     converter::Converter,
-    frame::{EDGES_PER_FRAME, Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
+    frame::{Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
     hold::Hold,
     profile::Profile,
 };
@@ -107,7 +107,11 @@ impl Channels {
                         Err(e) => fault(&e),
                     }
                 }
-                Kind::Dcu { channel, initial, range } => match profile.coefficient_unit(range) {
+                Kind::Dcu {
+                    channel,
+                    initial,
+                    range,
+                } => match profile.coefficient_unit(range) {
                     Ok(unit) => channels.dcu.push(DcuChannel {
                         channel: channel as usize,
                         unit,
@@ -355,7 +359,10 @@ impl Channels {
                 simulation.set_control(*line as u32, *on);
             }
         }
-        self.transfers.push(Transfer { frame: updates.frame, tick: at });
+        self.transfers.push(Transfer {
+            frame: updates.frame,
+            tick: at,
+        });
     }
 
     /// The next instant after `from` at which an interpolating hold has reached its value.
@@ -401,20 +408,32 @@ impl Channels {
             let tick = Tick::from_secs(edge.t_s).unwrap_or_default() + shift;
             match samples.edges.get_mut(samples.edge_count as usize) {
                 Some(slot) => {
-                    *slot = Edge { tick, line: edge.line, rising: u32::from(edge.rising) };
+                    *slot = Edge {
+                        tick,
+                        line: edge.line,
+                        rising: u32::from(edge.rising),
+                    };
                     samples.edge_count += 1;
                 }
                 None => samples.edges_lost = samples.edges_lost.saturating_add(1),
             }
         }
-        for transfer in self.transfers.drain(..) {
-            if let Some(slot) = samples.transfers.get_mut(samples.transfer_count as usize) {
-                *slot = transfer;
-                samples.transfer_count += 1;
-            }
+        // What finds no room is told in the next frame.
+        let room = self.transfers.len().min(TRANSFERS_PER_FRAME);
+        for (slot, transfer) in samples
+            .transfers
+            .iter_mut()
+            .zip(self.transfers.drain(..room))
+        {
+            *slot = transfer;
+            samples.transfer_count += 1;
         }
         samples.dac_saturated |= std::mem::take(&mut self.dac_saturated);
-        for (told, new) in samples.dcu_saturated.iter_mut().zip(&mut self.dcu_saturated) {
+        for (told, new) in samples
+            .dcu_saturated
+            .iter_mut()
+            .zip(&mut self.dcu_saturated)
+        {
             *told |= std::mem::take(new);
         }
         samples.overloads = simulation.overloads().len() as u32;

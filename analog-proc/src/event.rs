@@ -9,18 +9,34 @@
 use crate::block::logic::Edge;
 use crate::block::piecewise::Fatal;
 use crate::fault::RunFault;
-use crate::machine::{Frozen, Machine, Op, Settle};
+use crate::machine::{Frozen, Machine, Settle};
 use crate::net::BlockId;
+use crate::op::Op;
 use crate::overload::LatchedOverload;
 
 /// Passes beyond one for each store: room for chains through switches and limits.
 const SPARE_PASSES: usize = 64;
+
+/// Interrupt edges kept until they are taken: a run whose edges nobody takes must not grow.
+const MOST_EDGES: usize = 65_536;
 
 /// What a settling reports.
 #[derive(Debug, Default)]
 pub(crate) struct Happenings {
     pub edges: Vec<Edge>,
     pub overloads: Vec<LatchedOverload>,
+}
+
+impl Happenings {
+    /// Drops the older half of the edges when there are more than are kept; how many went.
+    pub fn drop_oldest_edges(&mut self) -> u64 {
+        if self.edges.len() <= MOST_EDGES {
+            return 0;
+        }
+        let excess = self.edges.len() - MOST_EDGES / 2;
+        self.edges.drain(..excess);
+        excess as u64
+    }
 }
 
 pub(crate) fn fatal(machine: &Machine, block: BlockId, fatal: Fatal, t_s: f64) -> RunFault {

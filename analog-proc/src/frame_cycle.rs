@@ -1,30 +1,40 @@
-//! The frame cycle in lock-step.
+//! The frame cycle: samples, transfers, and the integration between them.
 //!
 //! At `t_n + i·δ` ADC channel i is tracked and held; after the last, samples n
-//! are published. The array integrates on to `t_n + τ` while the digital side
-//! computes, and there updates n take effect together. Where a sample and a
-//! transfer fall on one instant, the sample comes first. Instants are products
-//! of integers, so that no schedule of the two processes can change the result.
-//! In HOLD the frames go on and problem time stands still.
+//! are published. Updates n take effect together at their instant of transfer:
+//! in lock-step at `t_n + τ`, to which the array integrates while the digital
+//! side computes; free-running when they arrive by the wall clock
+//! ([`crate::free_run`]); in a replay when they did so then. Where a sample and a
+//! transfer fall on one instant, the sample comes first.
+//!
+//! The array is only ever integrated to such an instant, and the instants are
+//! integers, so that they alone determine the result: no schedule of the two
+//! processes can change a lock-step run, and a replay repeats a free-running one
+//! bit by bit. In HOLD the frames go on and problem time stands still.
 //!
 //! With an aperture a > 0 the sample held at t is the mean over [t − a, t], by three-point Gauss
 //! quadrature: exact for a signal of fifth degree in the aperture. What precedes the start of the
 //! run, or the end of the scan before, counts as standing still.
 
-use crate::{channels::Channels, fault::RunFault, mode::Mode, simulation::Simulation};
+use crate::{
+    channels::Channels, fault::RunFault, free_run::FreeRun, mode::Mode, simulation::Simulation,
+};
 use interface::{
     Tick,
-    control::RunSpec,
-    frame::{ModeCommand, RunState, Samples},
+    control::{Clock, RunSpec},
+    frame::{ModeCommand, RunState, Samples, Updates},
     link::{AnalogPort, LinkFault},
 };
+use std::collections::VecDeque;
 
 /// Runs the frames of one OPERATE period; returns what stopped it early, if it was a fault.
+/// `time_scale` is the wall time that a unit of problem time takes when free-running.
 ///
 /// # Errors
 /// [`LinkFault`] when the digital side is gone, silent or out of step.
 pub fn run(
     spec: &RunSpec,
+    time_scale: f64,
     simulation: &mut Simulation,
     channels: &mut Channels,
     port: &mut dyn AnalogPort,
@@ -39,12 +49,19 @@ pub fn run(
         clock: Tick::ZERO,
         held: Tick::ZERO,
         holding: false,
-        pending: None,
+        timing: Timing::LockStep { pending: None },
+        queue: VecDeque::new(),
         over: None,
         looks: VecDeque::new(),
         means: Vec::new(),
     };
     cycle.settle();
+    match spec.clock {
+        Clock::LockStep => {}
+        Clock::Replay => cycle.timing = Timing::Replay,
+        // The wall clock starts when everything is ready.
+        Clock::Wall => cycle.timing = Timing::Wall(FreeRun::start(time_scale)),
+    }
     let channels_in_scan = cycle.channels.adc_count();
     cycle.open_aperture(spec, 0);
     for frame in 0_u64.. {
@@ -57,7 +74,8 @@ pub fn run(
             } else {
                 at + spec.skew * index as i64
             };
-            cycle.transfer_before(instant)?;
+            cycle.gather(instant)?;
+            cycle.transfer_before(instant);
             cycle.advance(instant);
             if index < channels_in_scan {
                 cycle.hold(index, &mut samples);
@@ -72,15 +90,26 @@ pub fn run(
         cycle.stamp(&mut samples);
         // A transfer at the very instant of the last sample comes after it: the
         // sample is taken, and told once the updates before it have come.
-        cycle.transfer_before(cycle.clock + Tick(1))?;
+        let just_after = cycle.clock + Tick(1);
+        cycle.await_due(just_after)?;
+        cycle.transfer_before(just_after);
         if let Some(over) = cycle.over.take() {
             return cycle.finish(samples, over);
         }
-        cycle.port.send_samples(&samples)?;
-        cycle.pending = Some((frame, at + spec.latency));
+        cycle.publish(samples)?;
         cycle.open_aperture(spec, frame + 1);
-        // Look-ahead: the array integrates while the digital side computes.
-        cycle.advance((at + spec.latency).min(spec.stop));
+        match &mut cycle.timing {
+            Timing::LockStep { pending } => {
+                *pending = Some((frame, at + spec.latency));
+                // Look-ahead: the array integrates while the digital side computes.
+                cycle.advance((at + spec.latency).min(spec.stop));
+            }
+            Timing::Replay => {
+                let updates = cycle.port.await_updates(frame)?;
+                cycle.enqueue(updates.effective, updates);
+            }
+            Timing::Wall(_) => {}
+        }
     }
     unreachable!("frames are counted in u64")
 }
@@ -113,6 +142,22 @@ enum Over {
     Faulted(RunFault),
 }
 
+/// Who says when updates take effect.
+enum Timing {
+    /// The frame: at `t_n + τ`. Frame whose updates are still to be taken, and that instant.
+    LockStep { pending: Option<(u64, Tick)> },
+    /// The updates themselves.
+    Replay,
+    /// The wall clock.
+    Wall(FreeRun),
+}
+
+/// Updates that have come, and when they take effect.
+struct Due {
+    at: Tick,
+    updates: Updates,
+}
+
 struct Cycle<'a> {
     simulation: &'a mut Simulation,
     channels: &'a mut Channels,
@@ -124,8 +169,9 @@ struct Cycle<'a> {
     /// Time spent in HOLD so far.
     held: Tick,
     holding: bool,
-    /// Frame whose updates are still to be taken, and when they take effect.
-    pending: Option<(u64, Tick)>,
+    timing: Timing,
+    /// Updates that have not taken effect yet, in order of time.
+    queue: VecDeque<Due>,
     over: Option<Over>,
     /// Looks still to be taken for the coming samples, in order of time; none without an aperture.
     looks: VecDeque<Look>,
@@ -235,28 +281,80 @@ impl Cycle<'_> {
         self.clock = to;
     }
 
-    /// Takes the pending updates, if they are due before `instant`, and lets them take effect.
-    fn transfer_before(&mut self, instant: Tick) -> Result<(), LinkFault> {
-        let Some((frame, due)) = self.pending.take_if(|(_, due)| *due < instant) else {
+    /// Takes in the updates that take effect before the next sample, at `instant`.
+    fn gather(&mut self, instant: Tick) -> Result<(), LinkFault> {
+        self.await_due(instant)?;
+        let Timing::Wall(free) = &mut self.timing else {
+            return Ok(());
+        };
+        while let Some((at, updates)) = free.next_updates(self.port, instant)? {
+            self.queue.push_back(Due {
+                at: at.max(self.clock),
+                updates,
+            });
+        }
+        Ok(())
+    }
+
+    /// In lock-step: waits for the pending updates, if they are due before `instant`.
+    fn await_due(&mut self, instant: Tick) -> Result<(), LinkFault> {
+        let Timing::LockStep { pending } = &mut self.timing else {
+            return Ok(());
+        };
+        let Some((frame, due)) = pending.take_if(|(_, due)| *due < instant) else {
             return Ok(());
         };
         self.advance(due);
         let updates = self.port.await_updates(frame)?;
-        if self.over.is_some() {
-            return Ok(());
-        }
-        self.channels.transfer(&updates, due, self.simulation);
-        self.settle();
-        if self.over.is_some() {
-            return Ok(());
-        }
-        match updates.mode_command() {
-            ModeCommand::Continue => {}
-            ModeCommand::Hold => self.holding = true,
-            ModeCommand::Operate => self.holding = false,
-            ModeCommand::End => self.over = Some(Over::Ended),
-        }
+        self.enqueue(due, updates);
         Ok(())
+    }
+
+    /// Puts updates into the queue, never before what was integrated or queued already.
+    fn enqueue(&mut self, at: Tick, updates: Updates) {
+        let earliest = self.queue.back().map_or(self.clock, |last| last.at);
+        self.queue.push_back(Due {
+            at: at.max(earliest),
+            updates,
+        });
+    }
+
+    /// Lets the queued updates that are due before `instant` take effect, each at its own.
+    fn transfer_before(&mut self, instant: Tick) {
+        while self.queue.front().is_some_and(|due| due.at < instant)
+            && let Some(due) = self.queue.pop_front()
+        {
+            self.advance(due.at);
+            if self.over.is_some() {
+                return;
+            }
+            self.channels
+                .transfer(&due.updates, due.at, self.simulation);
+            self.settle();
+            if self.over.is_some() {
+                return;
+            }
+            match due.updates.mode_command() {
+                ModeCommand::Continue => {}
+                ModeCommand::Hold => self.holding = true,
+                ModeCommand::Operate => self.holding = false,
+                ModeCommand::End => self.over = Some(Over::Ended),
+            }
+        }
+    }
+
+    /// Sends samples; on the wall clock not before their instant, and with their lateness.
+    fn publish(&mut self, mut samples: Samples) -> Result<(), LinkFault> {
+        if let Timing::Wall(free) = &mut self.timing {
+            while let Some(updates) = free.await_instant(self.port, self.clock)? {
+                self.queue.push_back(Due {
+                    at: self.clock,
+                    updates,
+                });
+            }
+            samples.late = free.published(samples.frame, self.clock);
+        }
+        self.port.send_samples(&samples)
     }
 
     /// Fills in what is read at the end of a scan: logic, edges, overloads, state.
@@ -270,7 +368,9 @@ impl Cycle<'_> {
 
     /// Tells the digital side that the run is over.
     fn finish(mut self, mut samples: Samples, over: Over) -> Result<Option<RunFault>, LinkFault> {
-        if let Some((frame, _)) = self.pending.take() {
+        if let Timing::LockStep { pending } = &mut self.timing
+            && let Some((frame, _)) = pending.take()
+        {
             self.port.await_updates(frame)?;
         }
         self.stamp(&mut samples);
@@ -280,7 +380,7 @@ impl Cycle<'_> {
             Over::Faulted(fault) => (RunState::Faulted, Some(fault)),
         };
         samples.state = state as u32;
-        self.port.send_samples(&samples)?;
+        self.publish(samples)?;
         Ok(fault)
     }
 }

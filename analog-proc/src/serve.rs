@@ -1,10 +1,7 @@
 //! The analog side of a session: answers requests, then runs the frame cycle.
 //!
 //! One loop for every link. In a run it is the only one who knows when samples
-//! are taken and transfers take effect: channel i is held at `t_n + i·δ`, the
-//! array integrates on to `t_n + τ` and no further, and there updates n take
-//! effect together. Where a sample and a transfer fall on one instant, the
-//! sample comes first.
+//! are taken and transfers take effect ([`crate::frame_cycle`]).
 
 use crate::{
     channels::Channels,
@@ -14,6 +11,7 @@ use crate::{
     patch,
     simulation::Simulation,
     static_check::static_check,
+    tolerance,
 };
 use interface::{
     Tick,
@@ -166,7 +164,13 @@ impl Server {
         let Some(loaded) = &mut self.loaded else {
             return Ok(()); // never: `admit` asked for it
         };
-        let fault = frame_cycle::run(spec, &mut loaded.simulation, &mut loaded.channels, port)?;
+        let fault = frame_cycle::run(
+            spec,
+            loaded.ordered.netlist.integration.time_scale,
+            &mut loaded.simulation,
+            &mut loaded.channels,
+            port,
+        )?;
         self.fault = fault.map(|f| f.to_string());
         Ok(())
     }
@@ -219,8 +223,9 @@ impl Loaded {
         ics: Vec<(String, f64)>,
         profile: Profile,
     ) -> Result<Loaded, String> {
-        let ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
+        let mut ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
         crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
+        tolerance::apply(&mut ordered, profile.component_error());
         let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
         let mut loaded = Loaded {

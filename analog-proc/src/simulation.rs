@@ -8,6 +8,7 @@
 use interface::Tick;
 
 use crate::block::dac::DacPiece;
+use crate::block::delay::POINTS;
 use crate::block::logic::Edge;
 use crate::event::Happenings;
 use crate::fault::RunFault;
@@ -39,6 +40,8 @@ pub struct Statistics {
     pub evaluations: u64,
     /// Instants at which something switched.
     pub events: u64,
+    /// Interrupt edges dropped because nobody took them.
+    pub edges_lost: u64,
 }
 
 /// A machine with its state.
@@ -67,10 +70,10 @@ fn check(integration: &Integration) -> Result<(), RunFault> {
         return refuse("atol", atol);
     }
     let fixed = matches!(integration.method, Method::RungeKutta4 | Method::Euler);
-    if fixed && !(step_s >= 1e-9 && step_s < 9e9) {
+    if fixed && !(1e-9..9e9).contains(&step_s) {
         return refuse("step", step_s);
     }
-    if !(max_step_s > 0.0) {
+    if max_step_s <= 0.0 || max_step_s.is_nan() {
         return refuse("max-step", max_step_s);
     }
     Ok(())
@@ -109,6 +112,8 @@ impl Simulation {
             margins: vec![0.0; watched],
             margins_low: vec![0.0; watched],
             margins_high: vec![0.0; watched],
+            margins_start: vec![0.0; watched],
+            delay_samples: vec![[0.0; POINTS]; machine.lines.len()],
             happenings: Happenings::default(),
             overloads: Vec::new(),
             chatter_from_s: 0.0,
@@ -312,6 +317,7 @@ impl Simulation {
     }
 
     /// Moves the interrupt edges since the last call to the end of `out`, in order of time.
+    /// Of more than 65 536 the oldest are dropped, and counted in the statistics.
     pub fn take_edges(&mut self, out: &mut Vec<Edge>) {
         out.append(&mut self.engine.happenings.edges);
     }
@@ -350,8 +356,9 @@ impl Simulation {
             ];
             for (derivative, expected, found) in found {
                 let Some(expected) = expected else { continue };
-                // Not `>`: an undefined value is a mismatch.
-                if !((found - expected).abs() <= item.tolerance) {
+                // An undefined value is a mismatch.
+                let difference = (found - expected).abs();
+                if difference > item.tolerance || difference.is_nan() {
                     let (net, tolerance) = (item.net, item.tolerance);
                     mismatches.push(Mismatch {
                         net,

@@ -29,6 +29,14 @@ pub enum ConsoleFault {
         /// The analog side's account.
         fault: String,
     },
+    /// A frame did not arrive; a law that misses a frame computes another run.
+    #[error("samples {found} came where {expected} were due: this side fell too far behind")]
+    LostFrames {
+        /// The frame due.
+        expected: u64,
+        /// The frame that came.
+        found: u64,
+    },
     /// The patch has no such channel.
     #[error("the patch has no {kind} `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
     NoChannel {
@@ -210,15 +218,37 @@ impl<'p> Console<'p> {
     pub fn operate<E: From<ConsoleFault>>(
         &mut self,
         spec: &RunSpec,
-        mut law: impl FnMut(&Samples, &mut Updates) -> Result<(), E>,
+        law: impl FnMut(&Samples, &mut Updates) -> Result<(), E>,
+    ) -> Result<Samples, E> {
+        self.operate_then(spec, law, |_, ()| Ok(()))
+    }
+
+    /// As [`Console::operate`]; what `law` made of a frame is handed to `after` once its
+    /// updates are on their way, so that keeping records delays no transfer.
+    ///
+    /// # Errors
+    /// As [`Console::operate`], and the error of `after`.
+    pub fn operate_then<R, E: From<ConsoleFault>>(
+        &mut self,
+        spec: &RunSpec,
+        mut law: impl FnMut(&Samples, &mut Updates) -> Result<R, E>,
+        mut after: impl FnMut(&Samples, R) -> Result<(), E>,
     ) -> Result<Samples, E> {
         self.done("OPERATE", &Request::Operate(spec.clone()))?;
         for frame in 0.. {
             let samples = self.port.await_samples(frame).map_err(ConsoleFault::from)?;
+            if samples.frame != frame && samples.run_state() != RunState::Faulted {
+                return Err(ConsoleFault::LostFrames {
+                    expected: frame,
+                    found: samples.frame,
+                }
+                .into());
+            }
             let mut updates = Updates::new(frame, samples.tick + spec.latency);
             match samples.run_state() {
                 RunState::Ended => {
-                    law(&samples, &mut updates)?;
+                    let done = law(&samples, &mut updates)?;
+                    after(&samples, done)?;
                     return Ok(samples);
                 }
                 RunState::Faulted => {
@@ -233,10 +263,11 @@ impl<'p> Console<'p> {
                     .into());
                 }
                 RunState::Operate | RunState::Hold => {
-                    law(&samples, &mut updates)?;
+                    let done = law(&samples, &mut updates)?;
                     self.port
                         .send_updates(&updates)
                         .map_err(ConsoleFault::from)?;
+                    after(&samples, done)?;
                 }
             }
         }

@@ -1,21 +1,18 @@
-//! Operating modes of the long-period study and the settings they give the
-//! control loops.
+//! Operating modes as scripts, and the settings they give the control loops.
 //!
 //! The paper (§4.2) names six: (i) normal, (ii) complete failure of roll
 //! control, (iii) mechanical failures in pitch and yaw, (iv) failure of the FTC
 //! electronics in pitch and yaw, (v) gain sequencer stuck after the first FTC
-//! gains, (vi) a schedule with fewer switchings. A mode turns a flight time
-//! into [`ControlSettings`]: numbers that the digital side sets by DCU. The
-//! equations themselves do not know of modes.
+//! gains, (vi) a schedule with fewer switchings. A mode is a [`FlightScript`]:
+//! actions, each with its time of occurrence. It turns a flight time into
+//! [`ControlSettings`]: numbers that the digital side sets by DCU. The equations
+//! themselves do not know of modes. Scripts come from a failure file
+//! ([`crate::study::failure_file`]); [`FlightMode`] names the shipped ones.
 
 use crate::gain_schedule::LoopGains;
 use crate::vehicle::Vehicle;
 
-/// Earliest state in which the sequencer of mode (v) sticks, s: just after the
-/// FTC gains are first set at 17 s.
-pub const SEQUENCER_STUCK_S: f64 = 17.5;
-
-/// A mode of operation.
+/// A mode of the shipped failure file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FlightMode {
     /// (i) Everything works.
@@ -30,7 +27,7 @@ pub enum FlightMode {
     TipFourDead,
     /// (iv) FTC gain zero in pitch and yaw; roll kept.
     FtcElectronics,
-    /// (v) Sequencer stuck at its state of 17.5 s (or of the failure, if later).
+    /// (v) Sequencer stuck at its state of 17.5 s.
     SequencerStuck,
     /// (vi) The schedule with fewer switchings.
     ReducedSchedule,
@@ -49,7 +46,7 @@ impl FlightMode {
         Self::ReducedSchedule,
     ];
 
-    /// Name on the command line and in reports.
+    /// Name on the command line, in the failure file and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Normal => "normal",
@@ -62,18 +59,98 @@ impl FlightMode {
             Self::ReducedSchedule => "reduced-schedule",
         }
     }
+}
 
-    /// The mode of a name, if there is one.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|mode| mode.name() == name)
+/// A mode as a script.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct FlightScript {
+    /// Name.
+    pub name: String,
+    /// The paper's words for it, or the author's.
+    pub text: String,
+    /// The schedule that the sequencer runs through.
+    pub schedule: Schedule,
+    /// What happens, in order of time.
+    pub actions: Vec<Action>,
+}
+
+/// Which gain schedule is loaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Schedule {
+    /// The one designed from the short-period models.
+    Designed,
+    /// The one with fewer switchings.
+    Reduced,
+}
+
+/// One scripted event.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct Action {
+    /// Flight time from which it acts, s.
+    pub at_s: f64,
+    /// What it does.
+    pub effect: Effect,
+}
+
+/// What an action does.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effect {
+    /// Sets the factor on a quantity: 0 dead, 1 sound.
+    Factor(Part, f64),
+    /// The sequencer keeps the state it has at that instant.
+    FreezeSequencer,
+    /// The sequencer takes up its schedule again.
+    RunSequencer,
+}
+
+/// A part of the control system that an action may weaken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Part {
+    /// Gain of the roll loop.
+    RollGain,
+    /// FTC gain in pitch.
+    FtcPitch,
+    /// FTC gain in yaw.
+    FtcYaw,
+    /// TVC gain in pitch.
+    TvcPitch,
+    /// TVC gain in yaw.
+    TvcYaw,
+    /// Effectiveness of the pitch pair of tips.
+    PitchTips,
+    /// Effectiveness of tip 2.
+    Tip2,
+    /// Effectiveness of tip 4.
+    Tip4,
+}
+
+impl FlightScript {
+    /// A flight on which nothing fails.
+    #[must_use]
+    pub fn sound() -> Self {
+        Self {
+            name: FlightMode::Normal.name().to_owned(),
+            text: String::new(),
+            schedule: Schedule::Designed,
+            actions: Vec::new(),
+        }
     }
 }
 
 /// What the control loops are set to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlSettings {
-    /// Gains of pitch and yaw.
+    /// Gains of pitch and yaw as the sequencer gives them.
     pub gains: LoopGains,
+    /// Factors on K_F in pitch and yaw, 1 when sound.
+    pub ftc_factor: [f64; 2],
+    /// Factors on K_T in pitch and yaw, 1 when sound.
+    pub tvc_factor: [f64; 2],
     /// K_φ, rad of tip per rad of roll.
     pub roll_gain: f64,
     /// T_φ, s.
@@ -86,46 +163,75 @@ pub struct ControlSettings {
     pub tip_4_effectiveness: f64,
 }
 
-/// Settings in a mode at a flight time; a failure acts from `failure_start_s`
-/// on, and before it the vehicle is normal. The reduced schedule is a design,
-/// not a failure: it holds throughout.
+impl ControlSettings {
+    /// Settings of a sound vehicle on the designed schedule.
+    #[must_use]
+    pub fn sound(vehicle: &Vehicle, time_s: f64) -> Self {
+        let data = &vehicle.data().gains;
+        Self {
+            gains: vehicle.designed_schedule().at(time_s),
+            ftc_factor: [1.0; 2],
+            tvc_factor: [1.0; 2],
+            roll_gain: data.roll_gain,
+            roll_lead_s: data.roll_lead_s,
+            pitch_tips_effectiveness: 1.0,
+            tip_2_effectiveness: 1.0,
+            tip_4_effectiveness: 1.0,
+        }
+    }
+
+    /// K_F in force in pitch and yaw, rad of tip per rad.
+    #[must_use]
+    pub fn ftc_gain(&self) -> [f64; 2] {
+        self.ftc_factor.map(|f| f * self.gains.ftc_gain)
+    }
+
+    /// K_T in force in pitch and yaw, N/rad.
+    #[must_use]
+    pub fn tvc_gain_nprad(&self) -> [f64; 2] {
+        self.tvc_factor.map(|f| f * self.gains.tvc_gain_nprad)
+    }
+}
+
+/// Settings under a script at a flight time. No action acts before
+/// `not_before_s`: earlier ones wait until then. The schedule is a design, not a
+/// failure: it holds throughout.
+#[must_use]
 pub fn control_settings(
     vehicle: &Vehicle,
-    mode: FlightMode,
-    failure_start_s: f64,
+    script: &FlightScript,
+    not_before_s: f64,
     time_s: f64,
 ) -> ControlSettings {
-    let data = &vehicle.data().gains;
-    let mut settings = ControlSettings {
-        gains: vehicle.designed_schedule().at(time_s),
-        roll_gain: data.roll_gain,
-        roll_lead_s: data.roll_lead_s,
-        pitch_tips_effectiveness: 1.0,
-        tip_2_effectiveness: 1.0,
-        tip_4_effectiveness: 1.0,
+    let mut settings = ControlSettings::sound(vehicle, time_s);
+    let roll_gain = settings.roll_gain;
+    let mut sequencer_s = time_s;
+    for action in &script.actions {
+        let acts_s = action.at_s.max(not_before_s);
+        if time_s < acts_s {
+            continue;
+        }
+        match action.effect {
+            // A second freeze of a frozen sequencer changes nothing.
+            Effect::FreezeSequencer => sequencer_s = sequencer_s.min(acts_s),
+            Effect::RunSequencer => sequencer_s = time_s,
+            Effect::Factor(part, factor) => match part {
+                Part::RollGain => settings.roll_gain = factor * roll_gain,
+                Part::FtcPitch => settings.ftc_factor[0] = factor,
+                Part::FtcYaw => settings.ftc_factor[1] = factor,
+                Part::TvcPitch => settings.tvc_factor[0] = factor,
+                Part::TvcYaw => settings.tvc_factor[1] = factor,
+                Part::PitchTips => settings.pitch_tips_effectiveness = factor,
+                Part::Tip2 => settings.tip_2_effectiveness = factor,
+                Part::Tip4 => settings.tip_4_effectiveness = factor,
+            },
+        }
+    }
+    let schedule = match script.schedule {
+        Schedule::Designed => vehicle.designed_schedule(),
+        Schedule::Reduced => vehicle.reduced_schedule(),
     };
-    if mode == FlightMode::ReducedSchedule {
-        settings.gains = vehicle.reduced_schedule().at(time_s);
-        return settings;
-    }
-    if time_s < failure_start_s {
-        return settings;
-    }
-    match mode {
-        FlightMode::Normal | FlightMode::ReducedSchedule => {}
-        FlightMode::RollLost => settings.roll_gain = 0.0,
-        FlightMode::TipsDead => {
-            settings.pitch_tips_effectiveness = 0.5;
-            settings.tip_4_effectiveness = 0.0;
-        }
-        FlightMode::PitchTipsHalf => settings.pitch_tips_effectiveness = 0.5,
-        FlightMode::TipFourDead => settings.tip_4_effectiveness = 0.0,
-        FlightMode::FtcElectronics => settings.gains.ftc_gain = 0.0,
-        FlightMode::SequencerStuck => {
-            let stuck_s = SEQUENCER_STUCK_S.max(failure_start_s);
-            settings.gains = vehicle.designed_schedule().stuck_at(time_s, stuck_s);
-        }
-    }
+    settings.gains = schedule.at(sequencer_s);
     settings
 }
 
@@ -134,41 +240,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_and_modes_are_one_to_one() {
+    fn a_failure_acts_from_its_start_and_touches_only_its_own_setting() {
+        let vehicle = Vehicle::shipped().unwrap();
+        let at = |mode: FlightMode, not_before_s, time_s| {
+            control_settings(&vehicle, mode.script(), not_before_s, time_s)
+        };
+        let normal = at(FlightMode::Normal, 0.0, 30.0);
+        assert_eq!(normal, ControlSettings::sound(&vehicle, 30.0));
         for mode in FlightMode::ALL {
-            assert_eq!(FlightMode::from_name(mode.name()), Some(mode));
+            if mode != FlightMode::ReducedSchedule {
+                assert_eq!(at(mode, 31.0, 30.0), normal, "{mode:?}");
+            }
         }
-        assert_eq!(FlightMode::from_name("warp"), None);
+        let lost = at(FlightMode::RollLost, 0.0, 30.0);
+        let mended = ControlSettings {
+            roll_gain: normal.roll_gain,
+            ..lost
+        };
+        assert_eq!(mended, normal);
+        assert_eq!(lost.roll_gain, 0.0);
+        let stuck = at(FlightMode::SequencerStuck, 0.0, 45.0);
+        assert_eq!(stuck.gains, vehicle.designed_schedule().at(17.0));
+        let late = at(FlightMode::SequencerStuck, 26.0, 45.0);
+        assert_eq!(late.gains, vehicle.designed_schedule().at(25.0));
+        let electronics = at(FlightMode::FtcElectronics, 0.0, 30.0);
+        assert_eq!(electronics.ftc_gain(), [0.0; 2]);
+        assert_eq!(electronics.roll_gain, normal.roll_gain);
     }
 
     #[test]
-    fn a_failure_acts_from_its_start_and_touches_only_its_own_setting() {
+    fn a_later_action_mends_an_earlier_one() {
         let vehicle = Vehicle::shipped().unwrap();
-        let normal = control_settings(&vehicle, FlightMode::Normal, 0.0, 30.0);
-        for mode in FlightMode::ALL {
-            if mode != FlightMode::ReducedSchedule {
-                assert_eq!(
-                    control_settings(&vehicle, mode, 31.0, 30.0),
-                    normal,
-                    "{mode:?}"
-                );
-            }
-        }
-        let lost = control_settings(&vehicle, FlightMode::RollLost, 0.0, 30.0);
-        assert_eq!(
-            ControlSettings {
-                roll_gain: normal.roll_gain,
-                ..lost
-            },
-            normal
-        );
-        assert_eq!(lost.roll_gain, 0.0);
-        let stuck = control_settings(&vehicle, FlightMode::SequencerStuck, 0.0, 45.0);
-        assert_eq!(stuck.gains, vehicle.designed_schedule().at(17.0));
-        let late = control_settings(&vehicle, FlightMode::SequencerStuck, 26.0, 45.0);
-        assert_eq!(late.gains, vehicle.designed_schedule().at(25.0));
-        let electronics = control_settings(&vehicle, FlightMode::FtcElectronics, 0.0, 30.0);
-        assert_eq!(electronics.gains.ftc_gain, 0.0);
-        assert_eq!(electronics.roll_gain, normal.roll_gain);
+        let action = |at_s, effect| Action { at_s, effect };
+        let script = FlightScript {
+            actions: vec![
+                action(18.0, Effect::FreezeSequencer),
+                action(20.0, Effect::Factor(Part::FtcPitch, 0.0)),
+                action(30.0, Effect::Factor(Part::FtcPitch, 1.0)),
+                action(41.0, Effect::RunSequencer),
+            ],
+            ..FlightScript::sound()
+        };
+        let at = |time_s| control_settings(&vehicle, &script, 0.0, time_s);
+        let designed = vehicle.designed_schedule();
+        assert_eq!(at(25.0).ftc_gain(), [0.0, designed.at(18.0).ftc_gain]);
+        assert_eq!(at(40.9).gains, designed.at(18.0));
+        assert_eq!(at(41.0), ControlSettings::sound(&vehicle, 41.0));
     }
 }

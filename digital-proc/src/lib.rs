@@ -23,6 +23,7 @@ pub mod report;
 pub mod rk4;
 pub mod run_dir;
 pub mod sampling;
+pub mod saturation;
 pub mod slice;
 pub mod study;
 pub mod table;

@@ -20,7 +20,7 @@ pub mod attitude;
 
 use attitude::{AttitudeInputs, AttitudeState, STATE_LEN};
 
-use crate::flight_mode::{FlightMode, control_settings};
+use crate::flight_mode::{FlightScript, control_settings};
 use crate::flight_summary::{FlightMonitor, FlightSample, FlightSummary};
 use crate::rk4;
 use crate::table_edges::{EdgeRecord, TableName};
@@ -35,9 +35,9 @@ pub const LEAST_STEPS_PER_SECOND: u32 = 1_000;
 /// What is flown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlightCase {
-    /// Mode of operation.
-    pub mode: FlightMode,
-    /// When the failure of the mode begins, s.
+    /// Mode of operation: what fails, and when.
+    pub script: FlightScript,
+    /// No failure acts before this, s; earlier ones wait until then.
     pub failure_start_s: f64,
     /// The wind.
     pub wind: Wind,
@@ -51,7 +51,7 @@ impl FlightCase {
     /// No wind, no misalignment, everything works.
     pub fn undisturbed() -> Self {
         Self {
-            mode: FlightMode::Normal,
+            script: FlightScript::sound(),
             failure_start_s: 0.0,
             wind: Wind::Calm,
             pitch_misalignment: 0.0,
@@ -59,11 +59,14 @@ impl FlightCase {
         }
     }
 
-    /// The data set's design case in a mode that fails at lift-off.
-    pub fn design(vehicle: &Vehicle, mode: FlightMode) -> Result<Self, crate::table::TableError> {
+    /// The data set's design case in a mode of operation.
+    pub fn design(
+        vehicle: &Vehicle,
+        script: &FlightScript,
+    ) -> Result<Self, crate::table::TableError> {
         let case = &vehicle.data().long_period_case;
         Ok(Self {
-            mode,
+            script: script.clone(),
             failure_start_s: 0.0,
             wind: Wind::design_case(vehicle)?,
             pitch_misalignment: case.misalign_pitch,
@@ -93,7 +96,7 @@ fn instant(
     edges.note(TableName::PitchProgramme, command.edge);
     let inputs = AttitudeInputs {
         airframe,
-        settings: control_settings(vehicle, case.mode, case.failure_start_s, gains_s),
+        settings: control_settings(vehicle, &case.script, case.failure_start_s, gains_s),
         pitch_command_rad: command.pitch_rad,
         incidence_offset_rad: state.range_angle_rad - flow.air_path_angle_rad,
         yaw_incidence_offset_rad: flow.crosswind_angle_rad,

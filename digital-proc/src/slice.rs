@@ -6,7 +6,7 @@
 //! those the paper lists (§4.1) plus maximum dynamic pressure.
 
 use crate::airframe::AirframeCoefficients;
-use crate::flight_mode::{ControlSettings, FlightMode, control_settings};
+use crate::flight_mode::ControlSettings;
 use crate::rk4;
 use crate::trajectory::{self, FlightError, TrajectoryState};
 use crate::vehicle::{BendingMode, Vehicle};
@@ -126,7 +126,7 @@ fn freeze(
         trajectory: state,
         incidence_rad: pitch_rad + state.range_angle_rad - flow.air_path_angle_rad,
         airframe,
-        settings: control_settings(vehicle, FlightMode::Normal, 0.0, time_s),
+        settings: ControlSettings::sound(vehicle, time_s),
         bending: vehicle.bending_at(time_s),
     })
 }

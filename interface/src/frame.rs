@@ -24,8 +24,11 @@ pub const INTERRUPT_LINES: usize = 32;
 /// Edges recorded per frame; further ones are counted in [`Samples::edges_lost`].
 pub const EDGES_PER_FRAME: usize = 32;
 
-/// Transfers told per frame: an update, and a late one before it.
-pub const TRANSFERS_PER_FRAME: usize = 4;
+/// Frames that a free-running analog side may be ahead of the last updates; then it
+/// waits, so that no frame is ever lost. Half of what the links hold in flight.
+pub const FRAMES_AHEAD: u64 = 8;
+/// Transfers told per frame: those that waited for its samples, and as many that came since.
+pub const TRANSFERS_PER_FRAME: usize = 2 * FRAMES_AHEAD as usize;
 
 /// State of the analog side as told in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +112,9 @@ pub struct Samples {
     pub transfer_count: u64,
     /// Transfers since the last frame, in order of time.
     pub transfers: [Transfer; TRANSFERS_PER_FRAME],
+    /// Wall time by which a free-running analog side was late in publishing this frame,
+    /// ns; zero when nothing is paced.
+    pub late: Tick,
 }
 
 /// Updates n: digital to analog.
@@ -156,6 +162,7 @@ impl Samples {
             edges: [Edge::default(); EDGES_PER_FRAME],
             transfer_count: 0,
             transfers: [Transfer::default(); TRANSFERS_PER_FRAME],
+            late: Tick::ZERO,
         }
     }
 

@@ -2,9 +2,13 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod bench_top;
+mod case_study;
 mod determinism;
+mod exercises;
 mod faults;
 mod flight;
+mod frame_cycle;
+mod long_period;
 mod partition;
 mod sampling;
 mod sessions;

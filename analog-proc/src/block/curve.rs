@@ -4,7 +4,8 @@
 //! A curve of n breakpoints has n + 1 pieces. Within a step one piece is in
 //! force and is extended as a straight line; leaving its interval is an event.
 
-use crate::machine::{Frozen, Term};
+use crate::machine::Frozen;
+use crate::op::Term;
 
 /// A straight line `y = y0 + slope·(u − x0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,18 +87,20 @@ impl Curve {
 }
 
 /// Pieces of a table: flat beyond its ends.
+fn table<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = Piece> + 'a {
+    let sloping = x.windows(2).zip(y.windows(2)).map(|(x, y)| Piece {
+        x0: x[0],
+        y0: y[0],
+        slope: (y[1] - y[0]) / (x[1] - x[0]),
+    });
+    let below = y.first().map(|y| Piece::flat(*y));
+    let above = y.last().map(|y| Piece::flat(*y));
+    below.into_iter().chain(sloping).chain(above)
+}
+
+/// Pieces of a fixed table.
 pub(crate) fn pieces_of_table(x: &[f64], y: &[f64]) -> Vec<Piece> {
-    let mut pieces = Vec::with_capacity(x.len() + 1);
-    pieces.extend(y.first().map(|y| Piece::flat(*y)));
-    for (x, y) in x.windows(2).zip(y.windows(2)) {
-        pieces.push(Piece {
-            x0: x[0],
-            y0: y[0],
-            slope: (y[1] - y[0]) / (x[1] - x[0]),
-        });
-    }
-    pieces.extend(y.last().map(|y| Piece::flat(*y)));
-    pieces
+    table(x, y).collect()
 }
 
 /// Pieces of a dead zone of half width `w`.
@@ -159,8 +162,10 @@ impl DigitalFunction {
     pub fn load(&self, breakpoints: &[f64], f: &mut Frozen) {
         let first = self.first as usize;
         let x = self.curve.corners(breakpoints);
-        let fresh = pieces_of_table(x, &f.dcus[first..first + x.len()]);
-        let start = self.curve.pieces as usize;
-        f.pieces[start..start + fresh.len()].copy_from_slice(&fresh);
+        let y = &f.dcus[first..first + x.len()];
+        let pieces = &mut f.pieces[self.curve.pieces as usize..];
+        for (place, piece) in pieces.iter_mut().zip(table(x, y)) {
+            *place = piece;
+        }
     }
 }

@@ -8,7 +8,7 @@
 
 use std::collections::VecDeque;
 
-use crate::machine::Term;
+use crate::op::Term;
 
 /// How often one breakpoint is followed round a loop; equals the order of the
 /// default method, since each pass through an integrator smooths it by one order.

@@ -6,7 +6,7 @@
 //! exactly zero, so that a stuck body does not creep.
 
 use crate::block::curve::Piece;
-use crate::machine::Term;
+use crate::op::Term;
 
 pub(crate) const STUCK: u32 = 0;
 const FORWARD: u32 = 1;

@@ -1,6 +1,7 @@
 //! Mode control of single integrators: operate, hold, reset, feedback-diode limits.
 
-use crate::machine::{Frozen, Slot, Term};
+use crate::machine::Frozen;
+use crate::op::{Slot, Term};
 
 /// An integrator with mode control or limits.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,10 @@ pub(crate) struct Control {
 impl Control {
     /// Applies the logic as it now stands; `before` are the nets before this pass.
     /// True when the state moved.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the running state, borrowed apart"
+    )]
     pub fn apply(
         &self,
         index: usize,

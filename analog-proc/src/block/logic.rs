@@ -1,7 +1,8 @@
 //! Logic that stores: flip-flop, one-shot, counter, and the interrupt lines that
 //! watch edges. They act after all memoryless logic of an instant, all at once.
 
-use crate::machine::{Frozen, Slot};
+use crate::machine::Frozen;
+use crate::op::Slot;
 
 /// One storing element and the net it drives.
 #[derive(Clone, Copy, Debug)]

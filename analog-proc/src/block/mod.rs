@@ -20,8 +20,10 @@ use curve::{Curve, Piece, band};
 use piecewise::Piecewise;
 
 use crate::fault::RunFault;
-use crate::machine::{Machine, Op, Rates, Settle, Slot, Term};
+use crate::kernel::{Kernel, fold};
+use crate::machine::{Machine, Settle};
 use crate::net::{BlockId, Input, Kind, Level};
+use crate::op::{Op, Slot, Term};
 use crate::order::Ordered;
 use crate::overload::OVERLOAD_FACTOR;
 
@@ -30,6 +32,10 @@ struct Lowering {
     m: Machine,
     /// Whether a slot varies within a step.
     varying: Vec<bool>,
+    /// Terms of each derivative.
+    rates: Vec<(u32, Vec<Term>)>,
+    /// Angles whose sine is in a net, their cosine in the net after it.
+    angles: Vec<(Slot, f64, Slot)>,
     block: BlockId,
 }
 
@@ -87,7 +93,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             block_of_state,
             settle: Vec::new(),
             fast: Vec::new(),
-            rates: Rates::default(),
+            kernel: Kernel::default(),
             terms: Vec::new(),
             ics: vec![0.0; states as usize],
             scales,
@@ -112,6 +118,8 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             step_cap_s: f64::INFINITY,
         },
         varying,
+        rates: Vec::new(),
+        angles: Vec::new(),
         block: BlockId(0),
     };
     for id in &ordered.order {
@@ -123,7 +131,9 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         lowering.block = *id;
         lowering.inputs_of_stores(ordered)?;
     }
-    Ok(lowering.m)
+    let Lowering { mut m, rates, .. } = lowering;
+    m.kernel = fold(&m.fast, &m.terms, &rates, m.slots);
+    Ok(m)
 }
 
 impl Lowering {
@@ -285,6 +295,27 @@ impl Lowering {
         curve
     }
 
+    /// The sine of an angle as a term, its cosine in the net after that; resolvers share them.
+    fn sine_of(&mut self, angle: Term) -> Term {
+        let c = angle.c.abs();
+        let known = self.angles.iter().find(|a| (a.0, a.1) == (angle.slot, c));
+        let slot = match known {
+            Some(known) => known.2,
+            None => {
+                let (o, a) = (self.hidden(), angle.slot);
+                let cosine = self.hidden();
+                let varying = self.vary(&[a]);
+                self.push(Op::SinCos { o, a, c }, &[o, cosine], varying);
+                self.angles.push((a, c, o));
+                o
+            }
+        };
+        Term {
+            slot,
+            c: if angle.c < 0.0 { -1.0 } else { 1.0 },
+        }
+    }
+
     fn overload(&mut self, o: Slot, max: Option<f64>) {
         if let Some(max) = max {
             let level = OVERLOAD_FACTOR * max.abs();
@@ -293,15 +324,7 @@ impl Lowering {
     }
 
     fn rate(&mut self, state: u32, terms: &[Term]) {
-        match *terms {
-            [a] => self.m.rates.one.push((state, a)),
-            [a, b] => self.m.rates.two.push((state, a, b)),
-            [a, b, c] => self.m.rates.three.push((state, a, b, c)),
-            _ => {
-                let (start, len) = self.store_terms(terms);
-                self.m.rates.many.push((state, start, len));
-            }
-        }
+        self.rates.push((state, terms.to_vec()));
     }
 
     fn dac(&mut self, channel: u32, initial: f64) -> u32 {

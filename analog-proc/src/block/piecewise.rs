@@ -9,7 +9,8 @@ use crate::block::curve::{Curve, Piece};
 use crate::block::friction::{Friction, STUCK};
 use crate::block::integrator::Stops;
 use crate::block::surface::Cell;
-use crate::machine::{Frozen, Machine, Slot, Term};
+use crate::machine::{Frozen, Machine};
+use crate::op::{Slot, Term};
 
 /// Region of an element that has not been settled yet.
 pub(crate) const UNSET: u32 = u32::MAX;

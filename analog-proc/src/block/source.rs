@@ -141,7 +141,9 @@ impl Timer {
     pub fn fire(&self, n: u64) -> Firing {
         match *self {
             Timer::Step { high, .. } => Firing::Value(high),
-            Timer::Square { low, high, .. } => Firing::Value(if n % 2 == 0 { high } else { low }),
+            Timer::Square { low, high, .. } => {
+                Firing::Value(if n.is_multiple_of(2) { high } else { low })
+            }
             Timer::Start { wave, .. } => Firing::Started(wave),
             Timer::Noise { noise, .. } => Firing::Renew(noise),
             Timer::OneShotEnd => Firing::Value(0.0),

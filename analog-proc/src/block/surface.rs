@@ -1,6 +1,6 @@
 //! Bilinear function of two variables; one cell is in force within a step.
 
-use crate::machine::Term;
+use crate::op::Term;
 
 /// Breakpoints and values, row-major `[x][y]`.
 #[derive(Clone, Debug)]

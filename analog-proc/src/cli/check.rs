@@ -1,6 +1,6 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
-use super::{CHECK_FAILED, Failure, PatchArgs};
+use super::{CHECK_FAILED, Failure, PatchArgs, is_coloured};
 use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
 use interface::{control::StaticCheckLine, profile::Profile};
 
@@ -23,14 +23,17 @@ impl PatchArgs {
         let faults = |f: patch::PatchFaults| {
             Failure::input(if self.json {
                 serde_json::json!({ "faults": f.to_list() }).to_string()
+            } else if is_coloured() {
+                f.render_coloured()
             } else {
                 f.render()
             })
         };
         let profile = Profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
-        let ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
+        let mut ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;
+        crate::tolerance::apply(&mut ordered, profile.component_error());
         Ok(Compiled {
             hash: patch::hash(&bundle),
             ordered,

@@ -134,8 +134,8 @@ impl DormandPrince {
             let sum = E1 * k1[i] + E3 * k3[i] + E4 * k4[i] + E5 * k5[i] + E6 * k6[i] + E7 * k7[i];
             let size = y0[i].abs().max(y1[i].abs());
             let scaled = (h * sum).abs() / (atol[i] + system.rtol * size);
-            // Not `>`: an undefined error must not pass as a small one.
-            if !(scaled <= norm) {
+            // An undefined error stays undefined: it must not pass as a small one.
+            if scaled > norm || scaled.is_nan() {
                 norm = scaled;
                 worst = i;
             }

@@ -6,6 +6,11 @@
 //! Hermite, plus a quartic term where the method supplies one (Dormand–Prince).
 //! Deciding about step lengths, events and stops belongs to the simulation.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the formulas index several arrays by one state"
+)]
+
 mod dormand_prince;
 mod euler;
 mod runge_kutta4;
@@ -82,8 +87,8 @@ impl Step {
         for i in 0..self.y0.len() {
             let size = self.y0[i].abs().max(self.y1[i].abs());
             let scaled = error(i).abs() / (system.atol[i] + system.rtol * size);
-            // Not `>`: an undefined error must not pass as a small one.
-            if !(scaled <= norm) {
+            // An undefined error stays undefined: it must not pass as a small one.
+            if scaled > norm || scaled.is_nan() {
                 norm = scaled;
                 self.worst = i;
             }

@@ -341,10 +341,18 @@ fn converter(kind: &str, f: &mut Fields<'_, '_>) -> Option<Kind> {
     }
     let initial = f.number("initial", Some(0.0));
     // Left out, a DCU has its profile's range.
-    let range = if kind == "dcu" { f.positive("range", Some(f64::INFINITY)) } else { None };
+    let range = if kind == "dcu" {
+        f.positive("range", Some(f64::INFINITY))
+    } else {
+        None
+    };
     let (channel, initial) = (channel?, initial?);
     Some(match kind {
-        "dcu" => Kind::Dcu { channel, initial, range: Some(range?).filter(|r| r.is_finite()) },
+        "dcu" => Kind::Dcu {
+            channel,
+            initial,
+            range: Some(range?).filter(|r| r.is_finite()),
+        },
         "mdac" => Kind::Mdac { channel, initial },
         _ => Kind::Dac { channel, initial },
     })

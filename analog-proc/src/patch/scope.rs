@@ -68,8 +68,8 @@ pub(crate) fn expand(
     };
     let text = &texts[root as usize];
     let given = expander.root_overrides(root, text, overrides);
-    expander.unbound_root_ports(root, text);
-    expander.instantiate(root, String::new(), 0, given, HashMap::new());
+    let ports = expander.unbound_root_ports(root, text);
+    expander.instantiate(root, String::new(), 0, given, ports);
     expander.out
 }
 
@@ -263,7 +263,8 @@ impl Expander<'_> {
         out
     }
 
-    fn unbound_root_ports(&mut self, root: u32, text: &PatchText) {
+    /// Tells of each port once; what reads it is no further fault.
+    fn unbound_root_ports(&mut self, root: u32, text: &PatchText) -> HashMap<String, Option<Entry>> {
         for (port, at) in &text.ports {
             let file = self.faults.sources.name(root).to_owned();
             self.faults.push(*at, |src, at| PatchFault::UnboundPort {
@@ -276,6 +277,8 @@ impl Expander<'_> {
                 file,
             });
         }
+        let unbound = |(port, _): &(String, Span)| (port.clone(), None);
+        text.ports.iter().map(unbound).collect()
     }
 
     fn instantiate(

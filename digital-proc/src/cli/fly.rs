@@ -1,36 +1,47 @@
 //! `digital-proc fly`: one long-period flight.
 
-use super::{Context, Failure, LinkName, MachineArgs};
+use super::{Context, Failure, MachineArgs};
 use crate::{
     console::Console,
-    executive::Rate,
-    flight::{self, AlphaPath, FlightFault, FlightPlan, channels::Sampled, trace},
+    flight::{
+        AlphaPath, FlightFault, Stage, Timing,
+        channels::Sampled,
+        pacing::Pacing,
+        plan_record::{Pace, PlanFault, PlanRecord, WindName},
+        trace,
+    },
     flight_mode::FlightMode,
     flight_summary::FlightSummary,
     progress::Progress,
-    reference::FlightCase,
     report::{
         Summary,
         flight::{FlightContext, flight_report},
+        pacing::{pacing_section, pacing_text},
     },
-    run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
+    run_dir::{
+        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, TRANSFERS_FILE, TraceError, UtcSecond,
+    },
+    saturation::Saturations,
+    study::failure_file::FailureFile,
     vehicle::Vehicle,
-    wind::{Wind, WindDirection},
 };
 use clap::ValueEnum;
 use interface::{Tick, profile::Profile};
 use std::{collections::BTreeMap, path::PathBuf, time::SystemTime};
 
 /// Rows in one batch of the trace: what a crash may cost.
-const BATCH_ROWS: usize = 64;
+pub const BATCH_ROWS: usize = 64;
 
 /// Fly the first stage from lift-off to burn-out.
 #[derive(clap::Args)]
 pub struct Fly {
-    /// Mode of operation; a failure acts from --failure-at on
-    #[arg(long, value_parser = flight_mode, default_value = "normal", value_name = "MODE",
-          help = format!("Mode of operation: {}", FlightMode::ALL.map(FlightMode::name).join(", ")))]
-    mode: FlightMode,
+    /// Mode of operation
+    #[arg(long, default_value = "normal", value_name = "MODE",
+          help = format!("Mode of operation: {}, or one of --failures", FlightMode::ALL.map(FlightMode::name).join(", ")))]
+    mode: String,
+    /// Failure file of your own that scripts the modes [default: the shipped one]
+    #[arg(long, value_name = "FILE")]
+    failures: Option<PathBuf>,
     /// Trajectory step, the slow frame of the digital side
     #[arg(long, default_value = "100ms", value_name = "TIME")]
     frame: Tick,
@@ -43,6 +54,9 @@ pub struct Fly {
     /// Multiplexer skew between neighbouring ADC channels [default: the profile's]
     #[arg(long, value_name = "TIME")]
     skew: Option<Tick>,
+    /// Who paces the flight; `digital-proc replay` repeats either to the last bit
+    #[arg(long, value_enum, default_value = "lock-step")]
+    clock: Pace,
     /// Stop before burn-out
     #[arg(long, value_name = "TIME")]
     until: Option<Tick>,
@@ -68,7 +82,7 @@ pub struct Fly {
     /// Wind and misalignments of the vehicle's design case for failure modes
     #[arg(long, conflicts_with_all = ["wind", "misalign_pitch", "misalign_yaw"])]
     design_case: bool,
-    /// When a failure mode begins
+    /// No failure of the mode acts before this
     #[arg(long, default_value = "0s", value_name = "TIME")]
     failure_at: Tick,
     /// How the angle of attack reaches the rotational equations
@@ -85,35 +99,11 @@ pub struct Fly {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum WindName {
-    /// Calm
-    None,
-    /// The synthetic profile against the flight
-    Headwind,
-    /// The synthetic profile with the flight
-    Tailwind,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum AlphaName {
     /// Redundant analog integrator, corrected at the trajectory's rate
     Redundant,
     /// From the flight-path angle held over a trajectory step
     Held,
-}
-
-fn flight_mode(text: &str) -> Result<FlightMode, String> {
-    FlightMode::from_name(text).ok_or_else(|| {
-        let names = FlightMode::ALL.map(FlightMode::name);
-        let nearest = names
-            .iter()
-            .min_by_key(|n| strsim::damerau_levenshtein(n, text));
-        format!(
-            "no such mode; did you mean `{}`? The modes are {}",
-            nearest.unwrap_or(&""),
-            names.join(", ")
-        )
-    })
 }
 
 impl Fly {
@@ -123,52 +113,86 @@ impl Fly {
             None => Vehicle::shipped(),
         }
         .map_err(Failure::input)?;
-        let plan = self.plan(&vehicle)?;
+        let plan_record = self.plan_record(&vehicle)?;
+        let plan = plan_record.plan(&vehicle)?;
         let started = UtcSecond::from_system(SystemTime::now());
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
+        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
 
-        let directory =
-            RunDirectory::create(&self.out, &format!("fly-{}", self.mode.name()), started)
-                .map_err(Failure::input)?;
+        let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)
+            .map_err(Failure::input)?;
         let keep = |failure: Failure| {
             failure.and(format!(
                 "what was recorded up to there is in {}",
                 directory.path().display()
             ))
         };
+        let record = self.record(&plan_record, started, console.patch_hash())?;
+        directory.write_record(&record).map_err(Failure::input)?;
         let mut rows = directory
             .create_trace(&trace::columns(), BATCH_ROWS)
             .map_err(Failure::input)?;
+        let mut paced = match self.clock {
+            Pace::LockStep => None,
+            Pace::Wall => Some((
+                directory
+                    .create_stream(TRANSFERS_FILE, &trace::transfer_columns(), BATCH_ROWS)
+                    .map_err(Failure::input)?,
+                Pacing::new(plan_record.fast_frame()?),
+            )),
+        };
+        let timing = match self.clock {
+            Pace::LockStep => Timing::LockStep,
+            Pace::Wall => Timing::Wall,
+        };
         let stop_s = plan.stop.secs();
         let mut progress = Progress::new(stop_s as u64, "s of flight");
-        let mut samples = Vec::with_capacity(1 << 12);
-        let flown = flight::fly(&mut console, &vehicle, &plan, |frame, result| {
+        let mut saturations = Saturations::default();
+        let flown = stage.fly_timed(&mut console, &vehicle, &plan, timing, |frame, result| {
             progress.at(result.sample.time_s as u64);
-            samples.push(result.sample);
+            saturations.note(frame);
+            let unwritten = |e: TraceError| FlightFault::Observer(e.to_string());
+            if let Some((transfers, pacing)) = &mut paced {
+                pacing.observe(frame);
+                for transfer in frame.transfers() {
+                    transfers
+                        .push(transfer.tick, &trace::transfer_row(transfer))
+                        .map_err(unwritten)?;
+                }
+            }
             rows.push(frame.tick, &trace::row(frame, result))
-                .map_err(|e| FlightFault::Observer(e.to_string()))
+                .map_err(unwritten)
         });
         progress.done();
-        let record = self.record(&vehicle, &plan, started, console.patch_hash());
-        directory.write_record(&record).map_err(Failure::input)?;
         let closed = rows.finish();
+        let pacing = match paced {
+            Some((transfers, pacing)) => {
+                transfers.finish().map_err(Failure::input)?;
+                Some(pacing)
+            }
+            None => None,
+        };
         let summary = flown.map_err(|fault| keep(fault.into()))?;
         closed.map_err(Failure::input)?;
         let overloads = console.diagnose()?.overloads;
+        let saturated = saturations.names(console.channels());
         console.bye()?;
         drop(machine);
 
         let trace = directory.read_trace().map_err(Failure::input)?;
         let results = results(&vehicle, &summary);
-        directory
-            .write_summary(&results.json())
-            .map_err(Failure::input)?;
-        let context = self.report_context(&vehicle);
+        let mut json = results.json();
+        let mut context = self.report_context(&vehicle);
+        if let Some(pacing) = &pacing {
+            json["pacing"] = pacing.json();
+            context.further.push(pacing_section(pacing));
+        }
+        directory.write_summary(&json).map_err(Failure::input)?;
         let html = flight_report(&context, &results, &trace, &record).map_err(Failure::input)?;
         let report = directory.write_report(&html).map_err(Failure::input)?;
         if self.machine.json {
-            println!("{:#}", results.json());
+            println!("{json:#}");
         } else {
             println!("{}", context.title);
             println!("{}", results.text());
@@ -178,11 +202,17 @@ impl Fly {
                     o.block, o.time_s, o.value
                 );
             }
+            if !saturated.is_empty() {
+                println!("saturated: {}", saturated.join(", "));
+            }
             for (table, edge) in summary.edges.iter() {
                 println!(
                     "table edge: {} {edge:?}; its end value was held",
                     table.label()
                 );
+            }
+            if let Some(pacing) = &pacing {
+                print!("{}", pacing_text(pacing));
             }
             println!("report: {}", report.display());
         }
@@ -196,111 +226,75 @@ impl Fly {
             ""
         };
         FlightContext {
-            title: format!("First-stage flight, mode {}{case}", self.mode.name()),
+            title: format!("First-stage flight, mode {}{case}", self.mode),
             lead: "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.".into(),
             q_alpha_limit_pa_rad: Some(vehicle.data().limits.q_alpha_padeg.to_radians()),
             marks: Vec::new(),
+            further: Vec::new(),
         }
     }
 
-    fn plan(&self, vehicle: &Vehicle) -> Result<FlightPlan, Failure> {
+    /// The command line as everything that the flight follows from.
+    fn plan_record(&self, vehicle: &Vehicle) -> Result<PlanRecord, Failure> {
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let mut case = if self.design_case {
-            FlightCase::design(vehicle, self.mode).map_err(Failure::input)?
-        } else {
-            let wind = match self.wind {
-                WindName::None => Wind::Calm,
-                WindName::Headwind => {
-                    Wind::synthetic(vehicle, WindDirection::Head).map_err(Failure::input)?
-                }
-                WindName::Tailwind => {
-                    Wind::synthetic(vehicle, WindDirection::Tail).map_err(Failure::input)?
-                }
-            };
-            FlightCase {
-                mode: self.mode,
-                wind,
-                pitch_misalignment: self.misalign_pitch,
-                yaw_misalignment: self.misalign_yaw,
-                ..FlightCase::undisturbed()
-            }
-        };
-        case.failure_start_s = self.failure_at.secs();
-        let finite = [case.pitch_misalignment, case.yaw_misalignment]
-            .iter()
-            .all(|m| m.is_finite());
-        if !finite {
-            return Err(Failure::input(
-                "--misalign-pitch and --misalign-yaw must be finite",
-            ));
-        }
-        let slow =
-            Rate::every(self.fast).ok_or_else(|| Failure::input("--fast must be at least 1"))?;
-        let burn_out = Tick::from_secs(vehicle.data().mass.burn_time_s)
+        let own = self
+            .failures
+            .as_deref()
+            .map(FailureFile::load)
+            .transpose()
+            .map_err(Failure::input)?;
+        let script = own
+            .as_ref()
+            .unwrap_or_else(|| FailureFile::shipped())
+            .mode(&self.mode)
+            .map_err(Failure::input)?;
+        let data = vehicle.data();
+        let burn_out = Tick::from_secs(data.mass.burn_time_s)
             .ok_or_else(|| Failure::input("the vehicle's burn time is out of range"))?;
-        let fast_frame = slow.fast_period(self.frame).filter(|t| *t > Tick::ZERO).ok_or_else(|| {
-            Failure::input(format!(
-                "--frame {} is not {} fast frames of whole nanoseconds; choose another --frame or --fast",
-                self.frame, self.fast
-            ))
-        })?;
-        let latency = self
-            .latency
-            .unwrap_or_else(|| profile.total_latency(Sampled::COUNT).min(fast_frame));
-        Ok(FlightPlan {
-            case,
-            step: self.frame,
-            slow,
-            latency,
+        let case = &data.long_period_case;
+        let (wind, misalign_pitch, misalign_yaw) = if self.design_case {
+            (WindName::DesignCase, case.misalign_pitch, case.misalign_yaw)
+        } else {
+            (self.wind, self.misalign_pitch, self.misalign_yaw)
+        };
+        let mut record = PlanRecord {
+            clock: self.clock,
+            frame: self.frame,
+            fast: self.fast,
+            latency: Tick::ZERO,
             skew: self.skew.unwrap_or_else(|| profile.skew()),
             stop: self.until.map_or(burn_out, |t| t.min(burn_out)),
             alpha: match self.alpha {
                 AlphaName::Redundant => AlphaPath::Redundant,
                 AlphaName::Held => AlphaPath::Held,
             },
+            wind,
+            misalign_pitch,
+            misalign_yaw,
+            failure_at: self.failure_at,
+            mode: script.clone(),
             profile,
-        })
+            vehicle: data.clone(),
+        };
+        let fast_frame = record.fast_frame()?;
+        record.latency = self
+            .latency
+            .unwrap_or_else(|| record.profile.total_latency(Sampled::COUNT).min(fast_frame));
+        Ok(record)
     }
 
     fn record(
         &self,
-        vehicle: &Vehicle,
-        plan: &FlightPlan,
+        plan: &PlanRecord,
         started: UtcSecond,
         patch_hash: &str,
-    ) -> RunRecord {
-        let mut parameters = toml::Table::new();
-        let mut set = |name: &str, value: toml::Value| parameters.insert(name.to_owned(), value);
-        set("mode", self.mode.name().into());
-        set("frame", plan.step.to_string().into());
-        set("fast", (self.fast as i64).into());
-        set("latency", plan.latency.to_string().into());
-        set("skew", plan.skew.to_string().into());
-        set("stop", plan.stop.to_string().into());
-        set("misalign-pitch", plan.case.pitch_misalignment.into());
-        set("misalign-yaw", plan.case.yaw_misalignment.into());
-        set("failure-at", plan.case.failure_start_s.into());
-        set("alpha", format!("{:?}", plan.alpha).to_lowercase().into());
-        let wind = match self.wind {
-            _ if self.design_case => "design-case",
-            WindName::None => "none",
-            WindName::Headwind => "headwind",
-            WindName::Tailwind => "tailwind",
-        };
-        set("wind", wind.into());
-        if let Ok(data) = toml::Value::try_from(vehicle.data()) {
-            set("vehicle", data);
-        }
-        let link = match (&self.machine.attach, self.machine.link) {
-            (Some(_), _) | (None, LinkName::Shm) => "shm",
-            (None, LinkName::Memory) => "memory",
-        };
-        RunRecord {
-            command: format!("fly {}", self.mode.name()),
+    ) -> Result<RunRecord, Failure> {
+        Ok(RunRecord {
+            command: format!("fly {}", self.mode),
             command_line: std::env::args().collect(),
             started: started.to_string(),
             profile: plan.profile.name.clone(),
-            link: link.to_owned(),
+            link: self.machine.join.link_name().to_owned(),
             versions: BTreeMap::from([(
                 "hybrid-computer".to_owned(),
                 env!("CARGO_PKG_VERSION").to_owned(),
@@ -310,8 +304,14 @@ impl Fly {
                 sha256: patch_hash.to_owned(),
             }),
             seeds: BTreeMap::new(),
-            parameters,
-        }
+            parameters: plan.to_parameters().map_err(Failure::input)?,
+        })
+    }
+}
+
+impl From<PlanFault> for Failure {
+    fn from(fault: PlanFault) -> Failure {
+        Failure::input(fault)
     }
 }
 

@@ -3,9 +3,18 @@
 //! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the
 //! partner process failed, 130 interrupted.
 
+mod case_study;
+mod design_gains;
 mod failure;
 mod fly;
+mod long_period;
+mod replay;
+mod runs;
 mod sampling;
+mod sensitivity;
+mod short_period;
+mod study_input;
+mod study_run;
 
 pub use failure::Failure;
 
@@ -20,6 +29,8 @@ use std::{
 ///
 /// It starts its partner `analog-proc` by itself; always two processes, joined by shared memory.
 ///
+///     digital-proc case-study               the whole paper, claim by claim
+///     digital-proc short-period pitch       step responses at all trajectory points
 ///     digital-proc fly                      the normal long-period flight, 49 s
 ///     digital-proc fly --mode roll-lost     with a failure of the roll control
 ///     digital-proc list                     the runs so far
@@ -37,10 +48,28 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run the paper's case study and say of each claim whether it holds
+    CaseStudy(case_study::CaseStudy),
     /// Fly the first stage: trajectory here, control dynamics on the analog side
     Fly(fly::Fly),
+    /// Repeat a recorded flight in lock-step and compare it to the last bit
+    Replay(replay::Replay),
+    /// The runs so far, oldest first
+    List(runs::List),
+    /// A run's trace as comma-separated values
+    Export(runs::Export),
+    /// Every column of a run against time, as one HTML page
+    Plot(runs::Plot),
+    /// Study the control loops at frozen trajectory points, run after run in one session
+    ShortPeriod(short_period::ShortPeriod),
     /// The sampling laboratory: what an interface does to a loop, measured beside theory
     Sampling(sampling::Sampling),
+    /// Fly every mode of the failure file and judge the claims about trajectory and loads
+    LongPeriod(long_period::LongPeriod),
+    /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
+    DesignGains(design_gains::DesignGains),
+    /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
+    Sensitivity(sensitivity::Sensitivity),
 }
 
 /// The link between the two sides.
@@ -52,15 +81,22 @@ enum LinkName {
     Memory,
 }
 
-/// What every command that runs the machine takes.
+/// How the machine is put together.
 #[derive(Args)]
-struct MachineArgs {
+struct JoinArgs {
     /// How the two sides are joined
     #[arg(long, value_enum, default_value = "shm", conflicts_with = "attach")]
     link: LinkName,
     /// Join the session of an `analog-proc serve --session NAME` that runs already
     #[arg(long, value_name = "SESSION")]
     attach: Option<String>,
+}
+
+/// What every command that runs the machine takes.
+#[derive(Args)]
+struct MachineArgs {
+    #[command(flatten)]
+    join: JoinArgs,
     /// Machine profile: ideal, paper-class, ad4, or a file
     #[arg(long, default_value = "ideal")]
     profile: String,
@@ -76,7 +112,15 @@ struct Context {
     interrupted: Arc<AtomicBool>,
 }
 
-impl MachineArgs {
+impl JoinArgs {
+    /// Name of the link in records.
+    fn link_name(&self) -> &'static str {
+        match (&self.attach, self.link) {
+            (Some(_), _) | (None, LinkName::Shm) => "shm",
+            (None, LinkName::Memory) => "memory",
+        }
+    }
+
     fn start(&self, context: &Context) -> Result<Started, Failure> {
         let link = match (&self.attach, self.link) {
             (Some(session), _) => LinkChoice::Attach(session.clone()),
@@ -88,6 +132,12 @@ impl MachineArgs {
             context.analog,
             context.interrupted.clone(),
         )?)
+    }
+}
+
+impl MachineArgs {
+    fn start(&self, context: &Context) -> Result<Started, Failure> {
+        self.join.start(context)
     }
 }
 
@@ -107,8 +157,17 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         interrupted,
     };
     let done = match cli.command {
+        Command::CaseStudy(c) => c.execute(&context),
         Command::Fly(c) => c.execute(&context),
+        Command::Replay(c) => c.execute(&context),
+        Command::List(c) => c.execute(),
+        Command::Export(c) => c.execute(),
+        Command::Plot(c) => c.execute(),
+        Command::ShortPeriod(c) => c.execute(&context),
         Command::Sampling(c) => c.execute(&context),
+        Command::LongPeriod(c) => c.execute(&context),
+        Command::DesignGains(c) => c.execute(&context),
+        Command::Sensitivity(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -86,7 +86,7 @@ impl<'v> FlightLaw<'v> {
             start: Tick::ZERO,
             state,
             next: state,
-            settings: control_settings(vehicle, case.mode, case.failure_start_s, 0.0),
+            settings: control_settings(vehicle, &case.script, case.failure_start_s, 0.0),
             edges: EdgeRecord::NONE,
         }
     }
@@ -159,7 +159,7 @@ impl<'v> FlightLaw<'v> {
         self.edges.note(TableName::PitchProgramme, command.edge);
         self.settings = control_settings(
             self.vehicle,
-            self.case.mode,
+            &self.case.script,
             self.case.failure_start_s,
             time_s,
         );
@@ -197,17 +197,19 @@ impl<'v> FlightLaw<'v> {
             updates.set_dac(channel, value);
         }
         let (dcu, gains) = (&self.channels.dcu, &self.settings.gains);
+        let [u_pitch, u_yaw] = self.settings.ftc_gain();
+        let [demand_p, demand_y] = self.settings.tvc_gain_nprad();
         for (channel, value) in [
             (dcu.lead_f_p, gains.ftc_lead_s),
             (dcu.lead_f_y, gains.ftc_lead_s),
-            (dcu.u_pitch, gains.ftc_gain),
-            (dcu.u_yaw, gains.ftc_gain),
+            (dcu.u_pitch, u_pitch),
+            (dcu.u_yaw, u_yaw),
             (dcu.lead_phi, self.settings.roll_lead_s),
             (dcu.u_roll, self.settings.roll_gain),
             (dcu.lead_t_p, gains.tvc_lead_s),
             (dcu.lead_t_y, gains.tvc_lead_s),
-            (dcu.demand_p, gains.tvc_gain_nprad),
-            (dcu.demand_y, gains.tvc_gain_nprad),
+            (dcu.demand_p, demand_p),
+            (dcu.demand_y, demand_y),
         ] {
             updates.set_dcu(channel, value);
         }

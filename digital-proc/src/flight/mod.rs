@@ -5,10 +5,14 @@
 
 pub mod channels;
 mod law;
+pub mod pacing;
+pub mod plan_record;
+mod timing;
 pub mod trace;
 
 pub use channels::AttitudeSample;
 pub use law::FrameResult;
+pub use timing::{OutOfOrder, Timing, TransferLog};
 
 use crate::{
     console::{Console, ConsoleFault},
@@ -21,14 +25,16 @@ use crate::{
 use channels::StageChannels;
 use interface::{
     Tick,
-    control::{Clock, PatchBundle, RunSpec},
-    frame::{Samples, Updates},
+    control::{PatchBundle, RunSpec},
+    frame::{ModeCommand, Samples, Updates},
     profile::Profile,
 };
 use law::FlightLaw;
+use std::cell::Cell;
 
 /// How the angle of attack reaches the rotational equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AlphaPath {
     /// By the redundant analog integrator, corrected at the trajectory's rate.
     Redundant,
@@ -122,7 +128,82 @@ fn parameters(vehicle: &Vehicle) -> Vec<(String, f64)> {
     .into()
 }
 
-/// Flies `plan` and tells `observe` of every frame.
+/// The stage patch on the machine, with a vehicle's numbers set: many flights
+/// follow one another on it without a restart (rep-op).
+pub struct Stage {
+    channels: StageChannels,
+    parameters: Vec<(String, f64)>,
+}
+
+impl Stage {
+    /// Loads the shipped stage patch.
+    ///
+    /// # Errors
+    /// [`FlightFault::Console`]: the machine or its link.
+    pub fn load(
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        profile: &Profile,
+    ) -> Result<Stage, FlightFault> {
+        Stage::load_patch(console, vehicle, profile, stage_patch())
+    }
+
+    /// Loads a stage patch of the caller's, with the channels of the shipped one.
+    ///
+    /// # Errors
+    /// [`FlightFault::Console`]: the machine, its link, or a patch that lacks a channel.
+    pub fn load_patch(
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        profile: &Profile,
+        patch: PatchBundle,
+    ) -> Result<Stage, FlightFault> {
+        let parameters = parameters(vehicle);
+        console.load(patch, parameters.clone(), profile.clone())?;
+        Ok(Stage {
+            channels: StageChannels::resolve(console)?,
+            parameters,
+        })
+    }
+
+    /// Flies `plan` (its profile was settled at loading) from initial conditions
+    /// and tells `observe` of every frame. Where `vehicle` differs from the one
+    /// loaded in what the patch takes as parameters, they are set first.
+    ///
+    /// # Errors
+    /// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
+    pub fn fly(
+        &mut self,
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        plan: &FlightPlan,
+        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ) -> Result<FlightSummary, FlightFault> {
+        self.fly_timed(console, vehicle, plan, Timing::LockStep, observe)
+    }
+
+    /// As [`Stage::fly`], free-running or as it was recorded.
+    ///
+    /// # Errors
+    /// As [`Stage::fly`].
+    pub fn fly_timed(
+        &mut self,
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        plan: &FlightPlan,
+        timing: Timing<'_>,
+        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ) -> Result<FlightSummary, FlightFault> {
+        let parameters = parameters(vehicle);
+        if parameters != self.parameters {
+            console.set_params(parameters.clone())?;
+            self.parameters = parameters;
+        }
+        fly_loaded(console, (vehicle, &self.channels), plan, timing, observe)
+    }
+}
+
+/// Loads the stage patch, flies `plan` and tells `observe` of every frame.
 ///
 /// # Errors
 /// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
@@ -130,6 +211,17 @@ pub fn fly(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
     plan: &FlightPlan,
+    observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+) -> Result<FlightSummary, FlightFault> {
+    let mut stage = Stage::load(console, vehicle, &plan.profile)?;
+    stage.fly(console, vehicle, plan, observe)
+}
+
+fn fly_loaded(
+    console: &mut Console<'_>,
+    (vehicle, channels): (&Vehicle, &StageChannels),
+    plan: &FlightPlan,
+    timing: Timing<'_>,
     mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
 ) -> Result<FlightSummary, FlightFault> {
     let frame = plan
@@ -140,8 +232,6 @@ pub fn fly(
             step: plan.step,
             fast_frames: plan.slow.fast_frames(),
         })?;
-    console.load(stage_patch(), parameters(vehicle), plan.profile.clone())?;
-    let channels = StageChannels::resolve(console)?;
     let make_law = || {
         FlightLaw::new(
             vehicle,
@@ -162,14 +252,45 @@ pub fn fly(
         skew: plan.skew,
         stop: plan.stop,
         from_ic: true,
-        clock: Clock::LockStep,
+        clock: timing.clock(),
     };
     let mut monitor = FlightMonitor::new(vehicle);
-    console.operate(&spec, |samples: &Samples, updates: &mut Updates| {
-        let result = law.frame(samples, updates)?;
-        monitor.observe(&result.sample, result.edges);
-        observe(samples, &result)
-    })?;
+    // Set by either part of a frame; the analog run is then ended in good order, so
+    // that the session can go on.
+    let lost = Cell::new(None);
+    let is_lost = || {
+        let fault = lost.take();
+        let is_lost = fault.is_some();
+        lost.set(fault);
+        is_lost
+    };
+    console.operate_then::<_, FlightFault>(
+        &spec,
+        |samples: &Samples, updates: &mut Updates| {
+            if let Some(effective) = timing.effective(samples.frame) {
+                updates.effective = effective;
+            }
+            if !is_lost() {
+                match law.frame(samples, updates) {
+                    Ok(result) => return Ok(Some(result)),
+                    Err(fault) => lost.set(Some(fault)),
+                }
+            }
+            updates.mode = ModeCommand::End as u32;
+            updates.effective = samples.tick;
+            Ok(None)
+        },
+        |samples, result| {
+            if let Some(result) = result {
+                monitor.observe(&result.sample, result.edges);
+                observe(samples, &result).unwrap_or_else(|fault| lost.set(Some(fault)));
+            }
+            Ok(())
+        },
+    )?;
+    if let Some(fault) = lost.take() {
+        return Err(fault);
+    }
     monitor
         .finish()
         .ok_or_else(|| FlightFault::Observer("the flight had no frame".into()))

@@ -1,8 +1,12 @@
-//! Columns of a flight's trace.
+//! Columns of a flight's trace, and of the transfers of one on the wall clock.
 
-use super::FrameResult;
-use crate::run_dir::Column;
-use interface::frame::Samples;
+use super::{FrameResult, TransferLog};
+use crate::run_dir::{Column, Trace};
+use interface::{
+    Tick,
+    frame::{Samples, Transfer},
+};
+use std::path::{Path, PathBuf};
 
 /// One column: name, unit, and how it is read from a frame.
 type Reader = (
@@ -53,11 +57,9 @@ const COLUMNS: [Reader; 34] = [
     ("normal_force_slope_n", "N/rad", |_, r| {
         r.airframe.normal_force_slope_nprad
     }),
-    ("ftc_gain", "", |_, r| r.settings.gains.ftc_gain),
+    ("ftc_gain", "", |_, r| r.settings.ftc_gain()[0]),
     ("ftc_lead_s", "s", |_, r| r.settings.gains.ftc_lead_s),
-    ("tvc_gain_n", "N/rad", |_, r| {
-        r.settings.gains.tvc_gain_nprad
-    }),
+    ("tvc_gain_n", "N/rad", |_, r| r.settings.tvc_gain_nprad()[0]),
     ("tvc_lead_s", "s", |_, r| r.settings.gains.tvc_lead_s),
     ("dead_zone_rad", "rad", |_, r| {
         r.settings.gains.dead_zone_rad
@@ -81,4 +83,51 @@ pub fn columns() -> Vec<Column> {
 #[must_use]
 pub fn row(samples: &Samples, result: &FrameResult) -> [f64; COLUMNS.len()] {
     std::array::from_fn(|i| COLUMNS[i].2(samples, result))
+}
+
+/// The column of the transfers beside their ticks: the frame whose updates took effect.
+/// A frame number is exact as a float up to 2⁵³.
+#[must_use]
+pub fn transfer_columns() -> [Column; 1] {
+    [Column::new("frame", "")]
+}
+
+/// One transfer.
+#[must_use]
+pub fn transfer_row(transfer: &Transfer) -> [f64; 1] {
+    [transfer.frame as f64]
+}
+
+/// Why a stream is not that of a run's transfers.
+#[derive(Debug, thiserror::Error)]
+#[error("`{}` is not a record of transfers: {reason}; fly the run again", path.display())]
+pub struct TransfersFault {
+    path: PathBuf,
+    reason: String,
+}
+
+/// Reads the transfers back; `path` serves messages only.
+///
+/// # Errors
+/// [`TransfersFault`] when a row is no transfer, or not in order.
+pub fn read_transfers(path: &Path, trace: &Trace) -> Result<TransferLog, TransfersFault> {
+    let fault = |reason: String| TransfersFault {
+        path: path.to_owned(),
+        reason,
+    };
+    let frames = trace.column("frame").map_err(|e| fault(e.to_string()))?;
+    let transfers = frames
+        .iter()
+        .zip(trace.ticks())
+        .map(|(&frame, &tick)| {
+            // 2⁵³: beyond it a float no longer counts.
+            if frame >= 0.0 && frame < 9_007_199_254_740_992.0 && frame.fract() == 0.0 {
+                let (frame, tick) = (frame as u64, Tick(tick));
+                Ok(Transfer { frame, tick })
+            } else {
+                Err(fault(format!("{frame} is no frame number")))
+            }
+        })
+        .collect::<Result<_, _>>()?;
+    TransferLog::new(transfers).map_err(|e| fault(e.to_string()))
 }

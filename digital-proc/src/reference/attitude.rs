@@ -185,8 +185,10 @@ pub fn derivative(
     let filter_rate = std::array::from_fn(|i| {
         corner * (errors[i] - gains.ftc_lead_s * state.gyro_radps[i] - state.filter_rad[i])
     });
-    let u_theta = gains.ftc_gain * state.filter_rad[0];
-    let u_psi = gains.ftc_gain * state.filter_rad[1];
+    let ftc_gain = settings.ftc_gain();
+    let tvc_gain_nprad = settings.tvc_gain_nprad();
+    let u_theta = ftc_gain[0] * state.filter_rad[0];
+    let u_psi = ftc_gain[1] * state.filter_rad[1];
     let u_phi = -settings.roll_gain * (phi + settings.roll_lead_s * state.gyro_radps[2]);
     let travel = data.ftc.delta_max_deg.to_radians();
     let slew = data.ftc.rate_max_dps.to_radians();
@@ -199,7 +201,7 @@ pub fn derivative(
     let tvc_rate = std::array::from_fn(|i| {
         let error = errors[i] - gains.tvc_lead_s * state.gyro_radps[i];
         let wanted = saturated(
-            gains.tvc_gain_nprad * dead_zone(error, gains.dead_zone_rad),
+            tvc_gain_nprad[i] * dead_zone(error, gains.dead_zone_rad),
             data.tvc.force_max_n,
         );
         (wanted - state.tvc_n[i]) / data.tvc.time_constant_s
@@ -246,13 +248,13 @@ pub fn derivative(
 mod tests {
     use super::*;
     use crate::airframe::airframe_at;
-    use crate::flight_mode::{FlightMode, control_settings};
+    use crate::flight_mode::ControlSettings;
     use std::f64::consts::FRAC_PI_2;
 
     fn inputs(vehicle: &Vehicle, time_s: f64) -> AttitudeInputs {
         AttitudeInputs {
             airframe: airframe_at(vehicle, time_s, 9_800.0, 670.0).unwrap(),
-            settings: control_settings(vehicle, FlightMode::Normal, 0.0, time_s),
+            settings: ControlSettings::sound(vehicle, time_s),
             pitch_command_rad: 1.0,
             incidence_offset_rad: -1.0,
             yaw_incidence_offset_rad: 0.0,

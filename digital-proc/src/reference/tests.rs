@@ -2,6 +2,7 @@
 //! partition errors, and the failure study.
 
 use super::*;
+use crate::flight_mode::FlightMode;
 use crate::slice;
 use crate::wind::WindDirection;
 
@@ -9,7 +10,7 @@ use crate::wind::WindDirection;
 const RATE: u32 = LEAST_STEPS_PER_SECOND;
 
 fn design_flight(vehicle: &Vehicle, mode: FlightMode, misalignment: f64) -> FlightSummary {
-    let mut case = FlightCase::design(vehicle, mode).unwrap();
+    let mut case = FlightCase::design(vehicle, mode.script()).unwrap();
     case.pitch_misalignment = misalignment;
     fly(vehicle, &case, RATE, |_| {}).unwrap()
 }
@@ -49,7 +50,7 @@ fn the_undisturbed_flight_has_the_published_figures() {
 #[test]
 fn one_millisecond_is_fine_enough() {
     let vehicle = Vehicle::shipped().unwrap();
-    let case = FlightCase::design(&vehicle, FlightMode::Normal).unwrap();
+    let case = FlightCase::design(&vehicle, FlightMode::Normal.script()).unwrap();
     let coarse = fly(&vehicle, &case, RATE, |_| {}).unwrap();
     let fine = fly(&vehicle, &case, 2 * RATE, |_| {}).unwrap();
     // A corner (limiter, dead zone, wind breakpoint) inside a step h leaves a
@@ -92,7 +93,7 @@ fn the_partition_error_is_first_order_and_halved_by_extrapolation() {
 #[test]
 fn with_frames_of_one_step_the_partition_tends_to_the_reference() {
     let vehicle = Vehicle::shipped().unwrap();
-    let case = FlightCase::design(&vehicle, FlightMode::TipsDead).unwrap();
+    let case = FlightCase::design(&vehicle, FlightMode::TipsDead.script()).unwrap();
     let exact = fly(&vehicle, &case, RATE, |_| {}).unwrap();
     let frame = |steps| {
         let flight =
@@ -164,8 +165,8 @@ fn in_a_headwind_one_mode_alone_exceeds_the_load_limit() {
 fn in_a_tailwind_the_single_violation_does_not_hold() {
     let vehicle = Vehicle::shipped().unwrap();
     let limit = vehicle.data().limits.q_alpha_padeg;
-    let exceeds = |mode| {
-        let mut case = FlightCase::design(&vehicle, mode).unwrap();
+    let exceeds = |mode: FlightMode| {
+        let mut case = FlightCase::design(&vehicle, mode.script()).unwrap();
         case.wind = Wind::synthetic(&vehicle, WindDirection::Tail).unwrap();
         fly(&vehicle, &case, RATE, |_| {})
             .unwrap()
@@ -180,8 +181,8 @@ fn in_a_tailwind_the_single_violation_does_not_hold() {
 #[test]
 fn a_later_failure_leaves_the_flight_before_it_untouched() {
     let vehicle = Vehicle::shipped().unwrap();
-    let record = |failure_start_s: f64, mode| {
-        let mut case = FlightCase::design(&vehicle, mode).unwrap();
+    let record = |failure_start_s: f64, mode: FlightMode| {
+        let mut case = FlightCase::design(&vehicle, mode.script()).unwrap();
         case.failure_start_s = failure_start_s;
         let mut seen = Vec::new();
         fly(&vehicle, &case, RATE, |s| seen.push(*s)).unwrap();
@@ -217,7 +218,7 @@ fn an_uncontrolled_vehicle_ends_in_numbers_or_an_error_not_a_panic() {
         gains.iter_mut().for_each(|g| *g = 0.0);
     }
     let vehicle = Vehicle::from_data(data).unwrap();
-    let case = FlightCase::design(&vehicle, FlightMode::Normal).unwrap();
+    let case = FlightCase::design(&vehicle, FlightMode::Normal.script()).unwrap();
     match fly(&vehicle, &case, RATE, |_| {}) {
         Ok(flight) => assert!(flight.end.to_array().iter().all(|v| v.is_finite())),
         Err(error) => assert!(!error.to_string().is_empty()),

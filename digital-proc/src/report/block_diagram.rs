@@ -30,7 +30,7 @@ impl Partition {
                 "TVC dead zone",
                 "Fin sharing: yaw ± roll",
                 "Rate gyros",
-                "Bending mode and filter",
+                "Bending filter",
                 "Error resolution through roll",
                 "Redundant α integrator",
             ]),

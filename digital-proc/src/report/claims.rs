@@ -13,6 +13,8 @@ pub enum Verdict {
     InPart,
     /// It is not met.
     Fails,
+    /// What would decide it was not run.
+    NotJudged,
 }
 
 impl Verdict {
@@ -23,6 +25,7 @@ impl Verdict {
             Verdict::Holds => '✓',
             Verdict::InPart => '◐',
             Verdict::Fails => '✗',
+            Verdict::NotJudged => '·',
         }
     }
 
@@ -33,6 +36,7 @@ impl Verdict {
             Verdict::Holds => "holds",
             Verdict::InPart => "holds in part",
             Verdict::Fails => "does not hold",
+            Verdict::NotJudged => "not judged",
         }
     }
 }
@@ -124,6 +128,9 @@ fn count(claims: &[Claim]) -> String {
     if of(Verdict::Fails) > 0 {
         parts.push(format!("{} not", of(Verdict::Fails)));
     }
+    if of(Verdict::NotJudged) > 0 {
+        parts.push(format!("{} not judged", of(Verdict::NotJudged)));
+    }
     format!("{}.", parts.join(", "))
 }
 
@@ -132,6 +139,7 @@ fn class(verdict: Verdict) -> &'static str {
         Verdict::Holds => "holds",
         Verdict::InPart => "in-part",
         Verdict::Fails => "fails",
+        Verdict::NotJudged => "not-judged",
     }
 }
 

@@ -35,6 +35,8 @@ pub struct FlightContext {
     pub q_alpha_limit_pa_rad: Option<f64>,
     /// Events of the flight, s.
     pub marks: Vec<Mark>,
+    /// Further sections, set before the provenance.
+    pub further: Vec<Section>,
 }
 
 /// The figures of the ten variables, in the paper's order.
@@ -157,14 +159,12 @@ pub fn flight_report(
             p { strong { "The run did not end its trace; what follows reaches to its last complete batch." } }
         }
     };
-    Ok(page(
-        &context.title,
-        &context.lead,
-        &[
-            Section::new("Results", html! { (torn) (summary.table().markup()) }),
-            Section::new("The ten monitored variables", side_by_side(&figures)),
-            Section::new("Partition", partition),
-            Section::new("Provenance", provenance(record)),
-        ],
-    ))
+    let mut sections = vec![
+        Section::new("Results", html! { (torn) (summary.table().markup()) }),
+        Section::new("The ten monitored variables", side_by_side(&figures)),
+        Section::new("Partition", partition),
+    ];
+    sections.extend(context.further.iter().cloned());
+    sections.push(Section::new("Provenance", provenance(record)));
+    Ok(page(&context.title, &context.lead, &sections))
 }

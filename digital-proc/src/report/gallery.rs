@@ -80,6 +80,7 @@ fn sample_flight(rows: usize) -> String {
             x: 17.0,
             name: "FTC on".to_owned(),
         }],
+        further: Vec::new(),
     };
     flight_report(&context, &summary, &sample_trace(rows), &sample_record()).unwrap()
 }

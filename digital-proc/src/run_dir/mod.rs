@@ -9,6 +9,7 @@
 //! It reads no clock (the start time is an argument), interprets no column, and never
 //! writes into a directory that another run has claimed.
 
+mod compare;
 mod error;
 mod export;
 mod list;
@@ -17,6 +18,7 @@ mod trace;
 mod trace_reader;
 mod utc;
 
+pub use compare::{Difference, first_difference};
 pub use error::{RunDirError, TraceError};
 pub use export::write_csv;
 pub use list::{RunEntry, RunState, list_runs, resolve};
@@ -37,6 +39,8 @@ pub const DEFAULT_BASE: &str = "runs";
 pub const RECORD_FILE: &str = "run.toml";
 /// The columnar trace.
 pub const TRACE_FILE: &str = "trace.arrow";
+/// When each update took effect, in a run on the wall clock.
+pub const TRANSFERS_FILE: &str = "transfers.arrow";
 /// The results in short; present only once the run has ended.
 pub const SUMMARY_FILE: &str = "summary.json";
 /// The self-contained report.
@@ -191,7 +195,20 @@ impl RunDirectory {
         columns: &[Column],
         rows_per_batch: usize,
     ) -> Result<TraceWriter<File>, TraceError> {
-        let path = self.file(TRACE_FILE);
+        self.create_stream(TRACE_FILE, columns, rows_per_batch)
+    }
+
+    /// Starts a further trace of the given name.
+    ///
+    /// # Errors
+    /// As [`RunDirectory::create_trace`].
+    pub fn create_stream(
+        &self,
+        name: &str,
+        columns: &[Column],
+        rows_per_batch: usize,
+    ) -> Result<TraceWriter<File>, TraceError> {
+        let path = self.file(name);
         let file = File::create(&path).map_err(|cause| TraceError::Io {
             path: path.clone(),
             cause,

@@ -6,13 +6,17 @@
 //! ([`response`]) are measured ([`metrics`]) and judged against the paper's
 //! sentences ([`claims`]). Beside them stand the eigenvalues of the linearised
 //! loops ([`linear`]) and a second formulation in plain Rust ([`reference`]).
-//! Nothing here does I/O or knows of the machine that runs the patches.
+//! Only [`machine`] knows of the hybrid machine that runs the patches; nothing does
+//! file I/O but the readers of a study.
 
+pub mod agreement;
 pub mod claims;
 pub mod coefficients;
 pub mod linear;
+pub mod machine;
 pub mod measure;
 pub mod metrics;
+pub mod outcome;
 pub mod plan;
 pub mod point;
 pub mod quantity;

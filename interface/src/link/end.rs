@@ -147,7 +147,7 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
                 None => wait(
                     &self.patience,
                     &mut self.wire,
-                    Limit::Silence,
+                    frame_limit(&self.protocol),
                     frame,
                     AnalogWire::take_updates,
                 )?,
@@ -239,7 +239,7 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
             let samples = wait(
                 &self.patience,
                 &mut self.wire,
-                Limit::Silence,
+                frame_limit(&self.protocol),
                 frame,
                 DigitalWire::take_samples,
             )?;
@@ -269,6 +269,15 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
 
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault> {
         self.request_within(request, Limit::Silence)
+    }
+}
+
+/// How a frame is waited for: on the wall clock it must not be noticed late.
+fn frame_limit(protocol: &Protocol) -> Limit {
+    if protocol.may_skip() {
+        Limit::Prompt
+    } else {
+        Limit::Silence
     }
 }
 

@@ -26,6 +26,8 @@ const SPIN: Duration = Duration::from_micros(2);
 const YIELD: Duration = Duration::from_micros(200);
 /// Shortest block; below it the timer's own slack (50 µs) rules.
 const SLICE_MIN: Duration = Duration::from_micros(50);
+/// Block in a wait for a frame on the wall clock, where lateness counts.
+const SLICE_PROMPT: Duration = Duration::from_micros(100);
 /// Longest block: a dead partner or an interrupt is noticed within it.
 const SLICE_MAX: Duration = Duration::from_millis(20);
 /// Longest time between two looks at the partner's place in the session.
@@ -98,6 +100,8 @@ pub trait Watch {
 pub(super) enum Limit {
     /// After the patience's silence, or busy limit while the partner computes.
     Silence,
+    /// Likewise, but the message is noticed as soon as can be.
+    Prompt,
     /// After this time, whatever the partner does.
     After(Duration),
     /// Only when it dies.
@@ -134,7 +138,11 @@ pub(super) fn wait<W: Watch, T>(
     loop {
         patience.check_interrupt(frame)?;
         let waited = start.elapsed();
-        let mut gone = watch.gone_within((waited / 8).clamp(SLICE_MIN, SLICE_MAX));
+        let slice = match limit {
+            Limit::Prompt => SLICE_PROMPT,
+            _ => (waited / 8).clamp(SLICE_MIN, SLICE_MAX),
+        };
+        let mut gone = watch.gone_within(slice);
         if !gone && looked.elapsed() > LOOK {
             gone = watch.left();
             looked = Instant::now();
@@ -154,8 +162,8 @@ pub(super) fn wait<W: Watch, T>(
             Limit::Unlimited => false,
             Limit::After(most) => waited > most,
             // Reading the partner's processor time costs more than most waits last.
-            Limit::Silence if waited < SLICE_MAX => false,
-            Limit::Silence => {
+            Limit::Silence | Limit::Prompt if waited < SLICE_MAX => false,
+            Limit::Silence | Limit::Prompt => {
                 let window = window.get_or_insert_with(|| Window::new(watch));
                 window.start.elapsed() > patience.silence
                     && (waited > patience.busy_limit || !window.renew_if_busy(watch))

@@ -282,6 +282,14 @@ impl Profile {
             .map_or(DEFAULT_OVERLOAD_LEVEL, |level| level.value)
     }
 
+    /// Component error as a fraction; zero when off.
+    #[must_use]
+    pub fn component_error(&self) -> f64 {
+        self.component_error
+            .as_ref()
+            .map_or(0.0, |error| error.value)
+    }
+
     /// The ADC of a channel whose full scale is the block's `max`, problem units.
     ///
     /// # Errors

@@ -32,6 +32,7 @@ pub fn layout_hash() -> u64 {
         offset_of!(Samples, edges),
         offset_of!(Samples, transfer_count),
         offset_of!(Samples, transfers),
+        offset_of!(Samples, late),
         size_of::<Edge>(),
         offset_of!(Edge, tick),
         offset_of!(Edge, line),

@@ -1,6 +1,6 @@
 //! What an experiment came to, and how it leaves the program: terminal, CSV, report, JSON.
 
-use super::super::{Failure, LinkName, MachineArgs, failure::CHECK_FAILED};
+use super::super::{Failure, MachineArgs, failure::CHECK_FAILED};
 use crate::{
     report::{
         Cell, Numbering, Section, Table, page,
@@ -122,10 +122,7 @@ impl Outcome {
     ) -> Result<(), Failure> {
         let command = format!("sampling-{}", self.name);
         let directory = RunDirectory::create(out, &command, started).map_err(Failure::input)?;
-        let link = match (&machine.attach, machine.link) {
-            (Some(_), _) | (None, LinkName::Shm) => "shm",
-            (None, LinkName::Memory) => "memory",
-        };
+        let link = machine.join.link_name();
         let record = RunRecord {
             command: format!("sampling {}", self.name),
             command_line: std::env::args().collect(),

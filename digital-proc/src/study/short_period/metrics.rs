@@ -22,7 +22,7 @@ impl From<[f64; 2]> for Window {
 
 impl Window {
     /// Sample indices in the window; samples a rounding error outside count as in.
-    fn indices(&self, sample_s: f64, len: usize) -> std::ops::Range<usize> {
+    pub(super) fn indices(&self, sample_s: f64, len: usize) -> std::ops::Range<usize> {
         // A thousandth of a sample: far above rounding, far below a sample.
         const SLACK: f64 = 1e-3;
         let first = (self.from_s / sample_s - SLACK).ceil().max(0.0) as usize;

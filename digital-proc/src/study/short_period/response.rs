@@ -34,6 +34,16 @@ pub const YAW_ROLL_CHANNELS: [&str; 12] = [
     "tip4_deflection",
 ];
 
+/// Units of [`PITCH_CHANNELS`].
+pub const PITCH_UNITS: [&str; 10] = [
+    "rad", "rad/s", "rad", "m", "N", "N", "rad", "m/s", "rad/s", "rad",
+];
+
+/// Units of [`YAW_ROLL_CHANNELS`].
+pub const YAW_ROLL_UNITS: [&str; 12] = [
+    "rad", "rad/s", "rad", "rad/s", "rad", "rad/s", "m", "N", "N", "N", "rad", "rad",
+];
+
 /// A run's samples: shape `[channel][sample]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response<const N: usize> {
@@ -124,6 +134,12 @@ impl PitchResponse {
     #[must_use]
     pub fn tip_rad(&self) -> &[f64] {
         self.channel(6)
+    }
+
+    /// Error of the thrust-vector channel, before the dead zone, rad.
+    #[must_use]
+    pub fn tvc_error_rad(&self) -> &[f64] {
+        self.channel(9)
     }
 }
 

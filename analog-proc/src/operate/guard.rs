@@ -1,0 +1,83 @@
+//! What ends a run: numbers that are not finite, steps below the resolution of
+//! time, events that repeat without progress. Each fault names the block.
+
+use super::Engine;
+use super::instants::LEAST_TIME_S;
+use crate::fault::RunFault;
+
+/// This many events within [`CHATTER_SPAN`] are chatter: a bouncing ball that loses a
+/// fifth of its speed each time comes from one second to rounding in 160 bounces.
+const CHATTER_EVENTS: u32 = 1000;
+
+/// Relative progress of time under which events count as repeated.
+const CHATTER_SPAN: f64 = 1e-9;
+
+impl Engine {
+    pub(super) fn check_finite(&self) -> Result<(), RunFault> {
+        // Zero times a finite number is zero: the sum is defined only if all are finite.
+        let nets: f64 = self.nets.iter().map(|x| x * 0.0).sum();
+        let rates: f64 = self.step.f0.iter().map(|x| x * 0.0).sum();
+        if nets + rates == 0.0 {
+            return Ok(());
+        }
+        Err(self.not_finite(&self.nets, &self.step.f0))
+    }
+
+    fn not_finite(&self, nets: &[f64], rates: &[f64]) -> RunFault {
+        let machine = &self.machine;
+        let state = nets[..rates.len()].iter().position(|x| !x.is_finite());
+        let later = nets.iter().position(|x| !x.is_finite());
+        let rate = rates.iter().position(|x| !x.is_finite());
+        let (what, slot) = match (state, later, rate) {
+            (Some(slot), _, _) | (None, Some(slot), _) => ("output", slot),
+            (None, None, Some(slot)) => ("derivative", slot),
+            (None, None, None) => ("error estimate", self.step.worst),
+        };
+        let block = machine
+            .block_of_slot
+            .get(slot)
+            .map_or_else(String::new, |b| machine.block_name(*b));
+        let net = machine.slot_name(slot as u32);
+        RunFault::NonFinite {
+            t_s: self.t_s,
+            block,
+            net,
+            what,
+        }
+    }
+
+    pub(super) fn underflow(&self, error: f64, step_s: f64) -> RunFault {
+        if error.is_finite() {
+            let state = self.step.worst;
+            let block = self.machine.block_of_state.get(state);
+            let block = block.map_or_else(String::new, |b| self.machine.block_name(*b));
+            RunFault::StepUnderflow {
+                t_s: self.t_s,
+                step_s,
+                block,
+            }
+        } else {
+            self.not_finite(&self.nets, &self.step.f1)
+        }
+    }
+
+    pub(super) fn count_chatter(&mut self, element: u32) -> Result<(), RunFault> {
+        let span_s = CHATTER_SPAN * self.t_s.abs().max(LEAST_TIME_S);
+        if self.t_s - self.chatter_from_s > span_s {
+            self.chatter_from_s = self.t_s;
+            self.chatter = 0;
+        }
+        self.chatter += 1;
+        if self.chatter < CHATTER_EVENTS {
+            return Ok(());
+        }
+        let block = self
+            .machine
+            .block_name(self.machine.elements[element as usize].0);
+        Err(RunFault::Chatter {
+            t_s: self.t_s,
+            block,
+            events: self.chatter,
+        })
+    }
+}

@@ -1,0 +1,240 @@
+//! `digital-proc case-study`: section 4 of the paper, claim by claim.
+
+use super::{
+    Context, Failure, MachineArgs,
+    failure::CHECK_FAILED,
+    short_period::write_traces,
+    study_input::{Curves, StudyArgs, record},
+};
+use crate::{
+    console::Console,
+    progress::Progress,
+    report::{
+        case_study::{case_study_report, report_claims},
+        claims_text,
+    },
+    run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
+    study::{
+        case_study::{self, CaseFault, CasePlan, CaseResults},
+        failure_file::FailureFile,
+        long_period::{results::History, run::LongPeriodPlan},
+        sensitivity::dispersion_file::Dispersions,
+        short_period::{machine::Patches, plan::Plan},
+    },
+};
+use interface::{Tick, profile::Profile};
+use std::{
+    path::PathBuf,
+    time::{Instant, SystemTime},
+};
+
+/// Trace of every short-period run.
+const SHORT_PERIOD_FILE: &str = "short-period.arrow";
+
+/// The paper's case study: every run of its section 4, and whether each claim holds.
+///
+/// Short-period runs of the pitch and the yaw–roll loops at all trajectory points and
+/// under all operating conditions, then long-period flights in every failure mode, all in
+/// one session. Ends with the claims table; exit code 1 if a claim does not hold.
+///
+///     digital-proc case-study
+///     digital-proc case-study --study my-points.toml --failures my-failures.toml
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct CaseStudy {
+    #[command(flatten)]
+    input: StudyArgs,
+    /// Failure file of your own: modes of the long-period flights [default: the shipped modes]
+    #[arg(long, value_name = "FILE")]
+    failures: Option<PathBuf>,
+    /// Dispersion file of your own for the sensitivity tables [default: the shipped one]
+    #[arg(long, value_name = "FILE", conflicts_with = "no_sensitivity")]
+    dispersions: Option<PathBuf>,
+    /// Leave out the sensitivity tables, which no claim needs
+    #[arg(long)]
+    no_sensitivity: bool,
+    /// Directory for runs; each run makes its own directory there
+    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    machine: MachineArgs,
+}
+
+impl CaseStudy {
+    pub fn execute(self, context: &Context) -> Result<(), Failure> {
+        let clock = Instant::now();
+        let started = UtcSecond::from_system(SystemTime::now());
+        let (vehicle, study) = self.input.load()?;
+        let own = self
+            .failures
+            .as_deref()
+            .map(FailureFile::load)
+            .transpose()
+            .map_err(Failure::input)?;
+        let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
+        let dispersions = match &self.dispersions {
+            _ if self.no_sensitivity => None,
+            Some(path) => Some(Dispersions::load(path).map_err(Failure::input)?),
+            None => Some(Dispersions::shipped().map_err(Failure::input)?),
+        };
+        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let plan = CasePlan {
+            short: Plan::new(&study, &vehicle).map_err(Failure::input)?,
+            patches: Patches::shipped(),
+            long: LongPeriodPlan::new(failures.modes.clone(), profile.clone()),
+            dispersions,
+        };
+
+        let mut machine = self.machine.start(context)?;
+        let mut console = Console::new(machine.port());
+        let mut progress = Progress::new(plan.runs() as u64, "runs and flights");
+        let results = case_study::run(&mut console, &vehicle, &plan, |done| {
+            progress.at(done as u64);
+        });
+        progress.done();
+        let results = results?;
+        let stage_patch = (
+            plan.long.patch.root.clone(),
+            console.patch_hash().to_owned(),
+        );
+        console.bye()?;
+        drop(machine);
+
+        let directory =
+            RunDirectory::create(&self.out, "case-study", started).map_err(Failure::input)?;
+        write_traces(&results.short, &directory, SHORT_PERIOD_FILE)?;
+        write_histories(&results, &plan, &directory)?;
+        let mut parameters = toml::Table::new();
+        self.input.record(&mut parameters, &vehicle, &study);
+        parameters.insert("failure-file".to_owned(), failures.file.clone().into());
+        let mut patches = results.short.answers.patches.clone();
+        patches.push(stage_patch);
+        let record = record(
+            "case-study",
+            &self.machine,
+            &profile,
+            started,
+            &patches,
+            parameters,
+        );
+        directory.write_record(&record).map_err(Failure::input)?;
+        let summary = results.summary();
+        directory.write_summary(&summary).map_err(Failure::input)?;
+        let html = case_study_report(&results, &plan, &record);
+        let report = directory.write_report(&html).map_err(Failure::input)?;
+
+        if self.machine.json {
+            println!("{summary:#}");
+        } else {
+            print_claims(&results);
+            println!(
+                "{} runs and flights in {:.1} s; report: {}",
+                plan.runs(),
+                clock.elapsed().as_secs_f64(),
+                report.display()
+            );
+        }
+        verdict(&results)
+    }
+}
+
+impl From<CaseFault> for Failure {
+    fn from(fault: CaseFault) -> Failure {
+        match fault {
+            CaseFault::Study(fault) => fault.into(),
+            CaseFault::Sensitivity(fault) => fault.into(),
+        }
+    }
+}
+
+fn print_claims(results: &CaseResults) {
+    let claims = results.claims();
+    print!("{}", claims_text(&report_claims(&claims, |_| false)));
+    let noted: Vec<_> = claims
+        .iter()
+        .filter_map(|c| Some((c.id, c.remark.as_ref()?)))
+        .collect();
+    if !noted.is_empty() {
+        println!("\nNoted beside:");
+        for (id, remark) in noted {
+            println!("  {id}: {remark}");
+        }
+    }
+    let short = &results.short;
+    println!(
+        "\n{} of {} undisturbed runs that stay linear agree with their eigenvalues.",
+        short.agreement.len() - short.disagreements().count(),
+        short.agreement.len()
+    );
+    for remark in short.remarks() {
+        println!("{remark}");
+    }
+    if let Some(fuel) = results.long.worst_fuel() {
+        println!(
+            "Side-force fluid: at most {:.1} of {:.1} kg, in mode {} ({}, pitch misalignment {:+} x 3 sigma).",
+            fuel.injectant_kg,
+            fuel.carried_kg,
+            fuel.mode,
+            fuel.wind.words(),
+            fuel.pitch_misalignment
+        );
+    }
+}
+
+/// Exit 1 unless every claim holds and every linear run agrees.
+fn verdict(results: &CaseResults) -> Result<(), Failure> {
+    if results.holds() {
+        return Ok(());
+    }
+    let mut failed: Vec<&str> = results
+        .claims()
+        .iter()
+        .filter(|c| !c.holds())
+        .map(|c| c.id)
+        .collect();
+    if results.short.disagreements().next().is_some() {
+        failed.push("agreement with the linearised loop");
+    }
+    Err(Failure {
+        code: CHECK_FAILED,
+        text: format!("not shown to hold: {}", failed.join(", ")),
+    })
+}
+
+/// The paper's ten variables of every mode as one trace, columns named by mode and variable.
+fn write_histories(
+    results: &CaseResults,
+    plan: &CasePlan,
+    directory: &RunDirectory,
+) -> Result<(), Failure> {
+    type Variable = (&'static str, &'static str, fn(&History) -> &[f64]);
+    const VARIABLES: [Variable; 11] = [
+        ("velocity_m_s", "m/s", |h| &h.speed_mps),
+        ("flight_path_angle_deg", "deg", |h| &h.path_angle_deg),
+        ("altitude_km", "km", |h| &h.altitude_km),
+        ("range_angle_deg", "deg", |h| &h.range_angle_deg),
+        ("alpha_deg", "deg", |h| &h.incidence_deg),
+        ("mach", "", |h| &h.mach),
+        ("dynamic_pressure_kpa", "kPa", |h| &h.q_kpa),
+        ("q_alpha_kpa_deg", "kPa deg", |h| &h.q_alpha_kpadeg),
+        ("theta_deg", "deg", |h| &h.pitch_deg),
+        ("phi_deg", "deg", |h| &h.roll_deg),
+        ("tvc_pitch_force_kn", "kN", |h| &h.tvc_pitch_kn),
+    ];
+    let long = &results.long;
+    let flights = std::iter::once(("undisturbed", &long.nominal_history))
+        .chain(long.modes.iter().map(|m| (m.name.as_str(), &m.history)));
+    let mut curves = Curves::new();
+    for (flight, history) in flights {
+        for (name, unit, of) in VARIABLES {
+            curves.add(format!("{flight}.{name}"), unit, of(history));
+        }
+    }
+    // The last sample stands at burn-out, which need not be a multiple of the step.
+    let step = plan.long.step.0;
+    let end = long.nominal_history.time_s.last().copied().unwrap_or(0.0);
+    let end = Tick::from_secs(end).unwrap_or(Tick(i64::MAX));
+    curves.write(directory, TRACE_FILE, |row| {
+        Tick(step * row as i64).min(end)
+    })
+}

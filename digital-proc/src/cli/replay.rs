@@ -1,0 +1,178 @@
+//! `digital-proc replay`: a recorded flight once more, compared bit by bit.
+
+use super::{Context, Failure, JoinArgs, failure::CHECK_FAILED, fly::BATCH_ROWS};
+use crate::{
+    console::Console,
+    flight::{
+        FlightFault, Stage, Timing,
+        plan_record::{Pace, PlanRecord},
+        trace,
+    },
+    progress::Progress,
+    run_dir::{
+        DEFAULT_BASE, RECORD_FILE, RunDirectory, TRACE_FILE, TRANSFERS_FILE, Trace, TraceWriter,
+        first_difference, resolve,
+    },
+};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Repeat a recorded flight in lock-step and compare it to the last bit.
+///
+/// A flight on the wall clock is repeated with the instants at which its updates
+/// took effect; nothing else of that clock enters a run. Exit code 0 when the two
+/// are identical, 1 with the first difference when not.
+///
+///     digital-proc fly --clock wall --until 5s
+///     digital-proc replay last
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Replay {
+    /// The run: its directory, its name, a beginning of its name, or `last`
+    run: String,
+    /// Directory where runs are kept
+    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
+    runs: PathBuf,
+    #[command(flatten)]
+    join: JoinArgs,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Replay {
+    pub fn execute(self, context: &Context) -> Result<(), Failure> {
+        let directory = resolve(&self.runs, &self.run).map_err(Failure::input)?;
+        let record = directory.read_record().map_err(Failure::input)?;
+        if record.command.split(' ').next() != Some("fly") {
+            return Err(Failure::input(format!(
+                "`{}` is a run of `{}`; only flights can be replayed",
+                directory.name(),
+                record.command
+            )));
+        }
+        let path = directory.file(RECORD_FILE);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
+        let plan_record = PlanRecord::from_run_toml(&path, &text).map_err(Failure::input)?;
+        let in_record = |fault: crate::flight::plan_record::PlanFault| {
+            Failure::input(format!("{}: {fault}", path.display()))
+        };
+        let vehicle = plan_record.vehicle().map_err(in_record)?;
+        let plan = plan_record.plan(&vehicle).map_err(in_record)?;
+        let recorded = directory.read_trace().map_err(Failure::input)?;
+        let transfers = match plan_record.clock {
+            Pace::LockStep => None,
+            Pace::Wall => {
+                let path = directory.file(TRANSFERS_FILE);
+                let stream = Trace::read(&path).map_err(Failure::input)?;
+                let log = trace::read_transfers(&path, &stream).map_err(Failure::input)?;
+                Some((log, stream.is_complete()))
+            }
+        };
+
+        let mut machine = self.join.start(context)?;
+        let mut console = Console::new(machine.port());
+        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        if let Some(patch) = &record.patch
+            && patch.sha256 != console.patch_hash()
+        {
+            return Err(Failure::input(format!(
+                "`{}` flew another {}: its SHA-256 is {}, that of this build is {}; replay it with the build that flew it",
+                directory.name(),
+                patch.name,
+                patch.sha256,
+                console.patch_hash()
+            )));
+        }
+        let mut bytes = Vec::new();
+        let trace_path = directory.file(TRACE_FILE);
+        let mut rows = TraceWriter::new(&mut bytes, &trace_path, &trace::columns(), BATCH_ROWS)
+            .map_err(Failure::input)?;
+        let timing = match &transfers {
+            None => Timing::LockStep,
+            Some((log, _)) => Timing::Replay(log),
+        };
+        let mut progress = Progress::new(plan.stop.secs() as u64, "s of flight");
+        let flown = stage.fly_timed(&mut console, &vehicle, &plan, timing, |frame, result| {
+            progress.at(result.sample.time_s as u64);
+            rows.push(frame.tick, &trace::row(frame, result))
+                .map_err(|e| FlightFault::Observer(e.to_string()))
+        });
+        progress.done();
+        let closed = rows.finish();
+        // A run that was cut off by a fault of its own is cut off by the same one here.
+        match flown {
+            Err(FlightFault::Console(crate::console::ConsoleFault::Link(fault))) => {
+                return Err(fault.into());
+            }
+            Err(fault) if recorded.is_complete() => return Err(fault.into()),
+            _ => {}
+        }
+        closed.map_err(Failure::input)?;
+        console.bye()?;
+        drop(machine);
+
+        let replayed = Trace::from_bytes(&bytes, &trace_path).map_err(Failure::input)?;
+        let rows = comparable_rows(
+            &recorded,
+            transfers.as_ref().map(|(log, done)| (log, *done)),
+        );
+        self.tell(&directory, &recorded, &replayed, rows)
+    }
+
+    /// Says whether the two are one.
+    fn tell(
+        &self,
+        directory: &RunDirectory,
+        recorded: &Trace,
+        replayed: &Trace,
+        rows: usize,
+    ) -> Result<(), Failure> {
+        let difference = first_difference(recorded, replayed, rows);
+        let compared = recorded.rows().min(rows);
+        if self.json {
+            let result = json!({
+                "run": directory.name(),
+                "identical": difference.is_none(),
+                "rows": compared,
+                "difference": difference.as_ref().map(ToString::to_string),
+            });
+            println!("{result:#}");
+        }
+        match difference {
+            None => {
+                if !self.json {
+                    println!(
+                        "identical: {compared} rows of {} columns",
+                        recorded.columns().len()
+                    );
+                    if compared < replayed.rows() {
+                        println!("the recorded run was cut off there");
+                    }
+                }
+                Ok(())
+            }
+            Some(difference) => Err(Failure {
+                code: CHECK_FAILED,
+                text: format!("the replay of `{}` differs: {difference}", directory.name()),
+            }),
+        }
+    }
+}
+
+/// Rows that a run and its replay must share: all of a run that ended; of one that was
+/// cut off those written, up to its last known transfer.
+fn comparable_rows(
+    recorded: &Trace,
+    transfers: Option<(&crate::flight::TransferLog, bool)>,
+) -> usize {
+    match transfers {
+        Some((log, false)) => {
+            let known = log.transfers().last().map_or(i64::MIN, |t| t.tick.0);
+            recorded.ticks().partition_point(|tick| *tick <= known)
+        }
+        _ if recorded.is_complete() => usize::MAX,
+        _ => recorded.rows(),
+    }
+}

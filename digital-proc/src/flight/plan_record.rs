@@ -1,0 +1,307 @@
+//! A flight's plan as `run.toml` keeps it: the one place where the two meet.
+//!
+//! A flight is planned from this record and from nothing else, so that the record
+//! of a run is enough to fly it again: the vehicle's data, the machine profile and
+//! the script of the mode are in it, not the names of files that may have changed.
+//! Times are written with their units; a damaged record is refused with its line.
+
+use super::{AlphaPath, FlightPlan};
+use crate::{
+    executive::Rate,
+    flight_mode::FlightScript,
+    reference::FlightCase,
+    study::fault::{FileFault, Source},
+    table::TableError,
+    vehicle::{Vehicle, VehicleData, VehicleError},
+    wind::{Wind, WindDirection},
+};
+use clap::ValueEnum;
+use interface::{Tick, profile::Profile};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Who paces a flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pace {
+    /// As fast as both sides can; the result depends on no schedule
+    LockStep,
+    /// The wall clock: updates take effect when they arrive, and are recorded
+    Wall,
+}
+
+/// Which wind blows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum WindName {
+    /// Calm
+    None,
+    /// The synthetic profile against the flight
+    Headwind,
+    /// The synthetic profile with the flight
+    Tailwind,
+    /// That of the vehicle's design case
+    #[value(skip)]
+    DesignCase,
+}
+
+/// Everything that a flight follows from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct PlanRecord {
+    /// Who paces it.
+    pub clock: Pace,
+    /// Trajectory step.
+    #[serde(with = "tick_text")]
+    pub frame: Tick,
+    /// Fast frames in one step.
+    pub fast: u64,
+    /// Total latency τ in lock-step.
+    #[serde(with = "tick_text")]
+    pub latency: Tick,
+    /// Multiplexer skew δ.
+    #[serde(with = "tick_text")]
+    pub skew: Tick,
+    /// Where the flight ends.
+    #[serde(with = "tick_text")]
+    pub stop: Tick,
+    /// How α reaches the rotational equations.
+    pub alpha: AlphaPath,
+    /// The wind.
+    pub wind: WindName,
+    /// Thrust misalignment in pitch, fraction of 3σ.
+    pub misalign_pitch: f64,
+    /// Thrust misalignment in yaw, fraction of 3σ.
+    pub misalign_yaw: f64,
+    /// No failure acts before this.
+    #[serde(with = "tick_text")]
+    pub failure_at: Tick,
+    /// Mode of operation.
+    pub mode: FlightScript,
+    /// The machine.
+    pub profile: Profile,
+    /// The vehicle.
+    pub vehicle: VehicleData,
+}
+
+/// A plan that cannot be flown.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanFault {
+    /// A misalignment that is no number.
+    #[error("--misalign-pitch and --misalign-yaw must be finite")]
+    Misalignment,
+    /// No fast frame.
+    #[error("--fast must be at least 1")]
+    NoFastFrame,
+    /// A frame that is no whole number of nanoseconds.
+    #[error(
+        "--frame {step} is not {fast} fast frames of whole nanoseconds; choose another --frame or --fast"
+    )]
+    Periods {
+        /// Trajectory step.
+        step: Tick,
+        /// Fast frames in it.
+        fast: u64,
+    },
+    /// The vehicle's wind.
+    #[error(transparent)]
+    Wind(#[from] TableError),
+    /// The vehicle.
+    #[error(transparent)]
+    Vehicle(#[from] VehicleError),
+}
+
+impl PlanRecord {
+    /// The fast frame.
+    ///
+    /// # Errors
+    /// [`PlanFault::NoFastFrame`], [`PlanFault::Periods`].
+    pub fn fast_frame(&self) -> Result<Tick, PlanFault> {
+        let slow = Rate::every(self.fast).ok_or(PlanFault::NoFastFrame)?;
+        slow.fast_period(self.frame)
+            .filter(|t| *t > Tick::ZERO)
+            .ok_or(PlanFault::Periods {
+                step: self.frame,
+                fast: self.fast,
+            })
+    }
+
+    /// The vehicle.
+    ///
+    /// # Errors
+    /// Faults of its data.
+    pub fn vehicle(&self) -> Result<Vehicle, PlanFault> {
+        Ok(Vehicle::from_data(self.vehicle.clone())?)
+    }
+
+    /// The plan for its vehicle.
+    ///
+    /// # Errors
+    /// [`PlanFault`] when it cannot be flown.
+    pub fn plan(&self, vehicle: &Vehicle) -> Result<FlightPlan, PlanFault> {
+        self.fast_frame()?;
+        let slow = Rate::every(self.fast).ok_or(PlanFault::NoFastFrame)?;
+        if !(self.misalign_pitch.is_finite() && self.misalign_yaw.is_finite()) {
+            return Err(PlanFault::Misalignment);
+        }
+        let wind = match self.wind {
+            WindName::None => Wind::Calm,
+            WindName::Headwind => Wind::synthetic(vehicle, WindDirection::Head)?,
+            WindName::Tailwind => Wind::synthetic(vehicle, WindDirection::Tail)?,
+            WindName::DesignCase => Wind::design_case(vehicle)?,
+        };
+        Ok(FlightPlan {
+            case: FlightCase {
+                script: self.mode.clone(),
+                failure_start_s: self.failure_at.secs(),
+                wind,
+                pitch_misalignment: self.misalign_pitch,
+                yaw_misalignment: self.misalign_yaw,
+            },
+            step: self.frame,
+            slow,
+            latency: self.latency,
+            skew: self.skew,
+            stop: self.stop,
+            alpha: self.alpha,
+            profile: self.profile.clone(),
+        })
+    }
+
+    /// As the `parameters` of a run.
+    ///
+    /// # Errors
+    /// What TOML cannot hold (an integer beyond 2⁶³).
+    pub fn to_parameters(&self) -> Result<toml::Table, toml::ser::Error> {
+        toml::Table::try_from(self)
+    }
+
+    /// Reads the `parameters` in the text of a `run.toml`; `path` serves faults only.
+    ///
+    /// # Errors
+    /// [`FileFault`] with the line.
+    pub fn from_run_toml(path: &Path, text: &str) -> Result<PlanRecord, FileFault> {
+        #[derive(Deserialize)]
+        struct Whole {
+            parameters: PlanRecord,
+        }
+        toml::from_str::<Whole>(text)
+            .map(|whole| whole.parameters)
+            .map_err(|error| {
+                let file = path.display().to_string();
+                Source { file: &file, text }.reader_fault(&error)
+            })
+    }
+}
+
+/// A tick as text with its unit.
+mod tick_text {
+    use interface::Tick;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(tick: &Tick, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(tick)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Tick, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(D::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight_mode::FlightMode;
+
+    fn record(mode: FlightMode, profile: &str) -> PlanRecord {
+        let vehicle = Vehicle::shipped().unwrap();
+        PlanRecord {
+            clock: Pace::Wall,
+            frame: Tick(100_000_000),
+            fast: 5,
+            latency: Tick(1_234_567),
+            skew: Tick(10_001),
+            stop: Tick(48_800_000_000),
+            alpha: AlphaPath::Redundant,
+            wind: WindName::Headwind,
+            misalign_pitch: 0.1 + 0.2,
+            misalign_yaw: -1.0 / 3.0,
+            failure_at: Tick(1),
+            mode: mode.script().clone(),
+            profile: Profile::load(profile).unwrap(),
+            vehicle: vehicle.data().clone(),
+        }
+    }
+
+    fn text(record: &PlanRecord) -> String {
+        let mut whole = toml::Table::new();
+        let parameters = record.to_parameters().unwrap();
+        whole.insert("parameters".into(), parameters.into());
+        toml::to_string_pretty(&whole).unwrap()
+    }
+
+    #[test]
+    fn a_flight_is_planned_alike_from_its_record() {
+        for mode in FlightMode::ALL {
+            for profile in Profile::BUILT_IN {
+                let record = record(mode, profile);
+                let read =
+                    PlanRecord::from_run_toml(Path::new("run.toml"), &text(&record)).unwrap();
+                assert_eq!(read, record);
+                let vehicle = read.vehicle().unwrap();
+                assert_eq!(
+                    read.plan(&vehicle).unwrap(),
+                    record.plan(&Vehicle::shipped().unwrap()).unwrap()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_damaged_record_is_refused_with_its_line() {
+        let sound = text(&record(FlightMode::RollLost, "ad4"));
+        for (from, to, word) in [
+            ("frame = \"100ms\"", "frame = \"100\"", "unit"),
+            ("frame = \"100ms\"", "frme = \"100ms\"", "frame"),
+            ("alpha = \"redundant\"", "alpha = \"held-up\"", "held"),
+            ("fast = 5", "fast = -5", "-5"),
+            ("misalign-pitch = 0.3", "misalign-pitch = 0.3.", ""),
+        ] {
+            assert!(sound.contains(from), "{from}\n{sound}");
+            let damaged = sound.replacen(from, to, 1);
+            let line = 1 + sound[..sound.find(from).unwrap()].matches('\n').count();
+            let fault = PlanRecord::from_run_toml(Path::new("a/run.toml"), &damaged)
+                .unwrap_err()
+                .to_string();
+            assert!(fault.starts_with(&format!("a/run.toml:{line}:")), "{fault}");
+            assert!(fault.contains(word), "{fault}");
+        }
+    }
+
+    #[test]
+    fn a_plan_that_cannot_be_flown_is_refused() {
+        let vehicle = Vehicle::shipped().unwrap();
+        let sound = record(FlightMode::Normal, "ideal");
+        for wrong in [
+            PlanRecord {
+                fast: 0,
+                ..sound.clone()
+            },
+            PlanRecord {
+                fast: 7,
+                ..sound.clone()
+            },
+            PlanRecord {
+                frame: Tick::ZERO,
+                ..sound.clone()
+            },
+            PlanRecord {
+                misalign_yaw: f64::NAN,
+                ..sound
+            },
+        ] {
+            assert!(wrong.plan(&vehicle).is_err());
+        }
+    }
+}

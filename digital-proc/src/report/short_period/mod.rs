@@ -1,0 +1,158 @@
+//! The report of short-period runs, and the parts that the case study's report shares.
+
+mod figures;
+mod matrix;
+mod tables;
+
+pub use figures::{MOST_RUNS, Named, pitch_figures, pitch_pair, yaw_roll_figures};
+pub use matrix::{Measure, matrix};
+pub use tables::{agreement_table, allocation, dashed, pitch_table, yaw_roll_table};
+
+use maud::{Markup, html};
+
+use super::{Numbering, Section, anchor, page, provenance};
+use crate::run_dir::RunRecord;
+use crate::study::short_period::outcome::Outcome;
+
+/// Runs beyond this many are tabulated and traced, and only the worst are drawn.
+const MOST_DRAWN: usize = 48;
+
+/// The report as a page.
+#[must_use]
+pub fn short_period_report(title: &str, outcome: &Outcome, record: &RunRecord) -> String {
+    let mut numbering = Numbering::new();
+    let mut sections = Vec::new();
+    let measures = html! {
+        @if !outcome.plan.pitch.is_empty() {
+            (numbering.table("pitch-measures",
+                "Measures of each pitch run. Settling is to 5 % of the step about the final value; the residual is the peak-to-peak attitude from 5 to 10 s without its parabolic trend; η is the bending envelope over that of the first 2 s. Eigenvalues are those of the loop with both channels linear.",
+                pitch_table(outcome).markup()))
+        }
+        @if !outcome.plan.yaw_roll.is_empty() {
+            (numbering.table("yaw-roll-measures",
+                "Measures of each yaw–roll run. Settling is to 0.2° in yaw and 0.5° in roll about the final value.",
+                yaw_roll_table(outcome).markup()))
+        }
+        (remarks(outcome))
+    };
+    sections.push(Section::new("Measures", measures));
+    if !outcome.plan.pitch.is_empty() {
+        sections.push(Section::new(
+            "Agreement with the linearised loop",
+            agreement_section(&mut numbering, outcome),
+        ));
+    }
+    sections.push(Section::new(
+        "Responses",
+        responses(&mut numbering, outcome),
+    ));
+    sections.push(Section::new("Provenance", provenance(record)));
+    page(
+        title,
+        "The control loops at frozen trajectory points, patched on the analog processor; coefficients, initial conditions and modes set by the digital one, run after run in one session.",
+        &sections,
+    )
+}
+
+/// What the machine remarked, if anything.
+#[must_use]
+pub fn remarks(outcome: &Outcome) -> Markup {
+    let remarks = outcome.remarks();
+    html! {
+        @if !remarks.is_empty() {
+            p { strong { "Remarked during the runs:" } }
+            ul { @for remark in &remarks { li { (remark) } } }
+        }
+    }
+}
+
+/// The table of linear agreement with its explanation.
+#[must_use]
+pub fn agreement_section(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
+    if outcome.agreement.is_empty() {
+        return html! { p { "No undisturbed pitch run stays in a linear range: nothing to compare." } };
+    }
+    html! {
+        (numbering.table("linear-agreement",
+            "Undisturbed pitch runs that stay linear. Where every channel keeps to one range from the start, the whole response is held against the matrix exponential; where it does so from 4 s on, the decay of the bending coordinate is held against its eigenvalue.",
+            agreement_table(outcome).markup()))
+    }
+}
+
+fn responses(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
+    let plan = &outcome.plan;
+    let all = plan.pitch.len() + plan.yaw_roll.len();
+    let drawn = drawn_points(outcome);
+    let mut parts: Vec<(String, Markup)> = Vec::new();
+    for &point in &drawn {
+        let place = format!(
+            "{} ({:.1} s)",
+            plan.points[point].name, plan.points[point].slice.time_s
+        );
+        let id = anchor(&plan.points[point].name);
+        let pitch: Vec<Named<'_, _>> = plan
+            .pitch
+            .iter()
+            .zip(&outcome.answers.pitch)
+            .filter(|(c, _)| c.point == point)
+            .map(|(c, r)| {
+                let test = if c.disturbed { "" } else { ", step only" };
+                (format!("{}{test}", plan.conditions[c.condition].name), r)
+            })
+            .collect();
+        for (n, group) in pitch.chunks(MOST_RUNS).enumerate() {
+            let figures = pitch_figures(numbering, &format!("{id}-pitch-{n}"), &place, group);
+            parts.push((format!("Pitch loop at {place}"), figures));
+        }
+        let yaw_roll: Vec<Named<'_, _>> = plan
+            .yaw_roll
+            .iter()
+            .zip(&outcome.answers.yaw_roll)
+            .filter(|(c, _)| c.point == point)
+            .map(|(c, r)| {
+                let name = &plan.conditions[c.condition].name;
+                (format!("{name}, tips {}", allocation(c)), r)
+            })
+            .collect();
+        for (n, group) in yaw_roll.chunks(MOST_RUNS).enumerate() {
+            let figures = yaw_roll_figures(
+                numbering,
+                &format!("{id}-yaw-roll-{n}"),
+                &place,
+                group,
+                None,
+            );
+            parts.push((format!("Yaw and roll loops at {place}"), figures));
+        }
+    }
+    html! {
+        @if drawn.len() < plan.points.len() && all > MOST_DRAWN {
+            p { "Of " (all) " runs those at the point with the largest residual oscillation are drawn; the trace holds all of them. Name a point or a condition to see others." }
+        }
+        @for (title, figures) in &parts { h3 { (title) } (figures) }
+    }
+}
+
+/// Points whose responses are drawn: all that have runs, or the worst one of very many runs.
+fn drawn_points(outcome: &Outcome) -> Vec<usize> {
+    let plan = &outcome.plan;
+    let has_runs = |p: &usize| {
+        plan.pitch.iter().any(|c| c.point == *p) || plan.yaw_roll.iter().any(|c| c.point == *p)
+    };
+    if plan.pitch.len() + plan.yaw_roll.len() <= MOST_DRAWN {
+        return (0..plan.points.len()).filter(has_runs).collect();
+    }
+    let worst = plan
+        .pitch
+        .iter()
+        .zip(&outcome.results.pitch)
+        .max_by(|a, b| {
+            let residual = |m: Option<f64>| m.unwrap_or(f64::INFINITY);
+            residual(a.1.residual).total_cmp(&residual(b.1.residual))
+        })
+        .map(|(case, _)| case.point);
+    worst
+        .or_else(|| plan.yaw_roll.first().map(|c| c.point))
+        .into_iter()
+        .collect()
+}

@@ -1,0 +1,225 @@
+//! Whether the eigenvalues agree with the responses where the loop stays linear.
+//!
+//! A channel's range is read from the response itself: the tips are linear while
+//! they stay inside their travel and rate, the thrust vector is closed while its
+//! error stays inside the dead zone and linear, without a dead zone, below its force
+//! limit. A run that is linear throughout is held against the matrix exponential
+//! ([`super::linear::step_response`]); one that becomes linear later shows the decay
+//! of its bending coordinate beside the eigenvalue. Only undisturbed pitch runs are
+//! compared, the linear response to a step from rest being exact there.
+
+use super::coefficients::PitchSettings;
+use super::linear::{ChannelGains, Root, plane_roots, step_response};
+use super::metrics::{Oscillation, Window, oscillation};
+use super::plan::Plan;
+use super::response::PitchResponse;
+
+/// Largest accepted difference from the matrix exponential, as a fraction of the step
+/// in attitude and of its greatest value in bending. The patch integrates to 1e-7 of
+/// each state; a thousandfold of that leaves room for the gain from state to state.
+pub const STEP_WITHIN: f64 = 1e-4;
+/// Largest accepted relative error of a measured bending frequency: half a sample in a
+/// window of some twenty cycles of twelve samples.
+pub const FREQUENCY_WITHIN: f64 = 5e-3;
+/// Largest accepted relative error of a measured damping. A peak found by a parabola
+/// through three of twelve samples a cycle is good to about 1 %, and the envelope falls
+/// to a tenth in the window; ten peaks leave a few per cent, doubled.
+pub const DAMPING_WITHIN: f64 = 0.10;
+/// Window in which the decay of a run that is not linear throughout is measured, s.
+pub const DECAY: Window = Window {
+    from_s: 4.0,
+    to_s: 9.0,
+};
+/// Part of the rate limit above which a tip is taken to have met it between samples.
+const RATE_MET: f64 = 0.8;
+
+/// One run held against linear theory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Agreement {
+    /// Number of the pitch run in the plan.
+    pub run: usize,
+    /// Range in which its channels stay.
+    pub gains: ChannelGains,
+    /// What was compared.
+    pub compared: Compared,
+}
+
+/// A comparison with linear theory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Compared {
+    /// The whole response with the matrix exponential.
+    Response {
+        /// Greatest difference in θ over the step.
+        attitude: f64,
+        /// Greatest difference in η over its greatest value.
+        bending: f64,
+    },
+    /// The decay of the bending coordinate with its eigenvalue.
+    Decay {
+        /// As measured.
+        measured: Oscillation,
+        /// The eigenvalue.
+        root: Root,
+    },
+}
+
+impl Agreement {
+    /// Whether they agree.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        match self.compared {
+            Compared::Response { attitude, bending } => {
+                attitude <= STEP_WITHIN && bending <= STEP_WITHIN
+            }
+            Compared::Decay { measured, root } => {
+                let off = |found: f64, expected: f64| (found / expected - 1.0).abs();
+                off(measured.frequency_radps, root.frequency_radps()) <= FREQUENCY_WITHIN
+                    && off(measured.damping, root.damping()) <= DAMPING_WITHIN
+            }
+        }
+    }
+}
+
+/// Compares every undisturbed pitch run that is linear, throughout or late.
+#[must_use]
+pub fn compare(plan: &Plan, responses: &[PitchResponse]) -> Vec<Agreement> {
+    let whole = Window {
+        from_s: 0.0,
+        to_s: plan.duration_s,
+    };
+    plan.pitch
+        .iter()
+        .zip(responses)
+        .enumerate()
+        .filter(|(_, (case, response))| {
+            !case.disturbed && response.len() == plan.samples() + 1 && response.is_finite()
+        })
+        .filter_map(|(run, (case, response))| {
+            let settings = &case.settings;
+            let late = || {
+                let gains = linear_range(settings, response, DECAY)?;
+                let root = plane_roots(&settings.plane, gains).bending?;
+                let period_s = std::f64::consts::TAU / root.frequency_radps();
+                let measured = oscillation(response.eta_m(), response.sample_s, period_s, DECAY)?;
+                Some((gains, Compared::Decay { measured, root }))
+            };
+            let (gains, compared) = linear_range(settings, response, whole)
+                .map(|gains| (gains, against_exponential(settings, response, gains)))
+                .or_else(late)?;
+            Some(Agreement {
+                run,
+                gains,
+                compared,
+            })
+        })
+        .collect()
+}
+
+fn against_exponential(
+    settings: &PitchSettings,
+    response: &PitchResponse,
+    gains: ChannelGains,
+) -> Compared {
+    let step = settings.command_rad;
+    let exact = step_response(
+        &settings.plane,
+        gains,
+        step,
+        response.sample_s,
+        response.len().saturating_sub(1),
+    );
+    let greatest = exact.iter().fold(0.0_f64, |g, row| g.max(row[1].abs()));
+    let difference = |found: &[f64], column: usize, scale: f64| {
+        let pairs = found.iter().zip(&exact);
+        pairs.fold(0.0_f64, |d, (x, row)| d.max((x - row[column]).abs())) / scale.abs()
+    };
+    Compared::Response {
+        attitude: difference(response.theta_rad(), 0, step),
+        bending: difference(response.eta_m(), 1, greatest),
+    }
+}
+
+/// Gains of the channels if both keep to one linear range in the window.
+#[must_use]
+pub fn linear_range(
+    settings: &PitchSettings,
+    response: &PitchResponse,
+    window: Window,
+) -> Option<ChannelGains> {
+    let plane = &settings.plane;
+    let range = window.indices(response.sample_s, response.len());
+    let greatest = |column: &[f64]| {
+        column[range.clone()]
+            .iter()
+            .fold(0.0_f64, |g, v| g.max(v.abs()))
+    };
+    let tips = response.tip_rad();
+    let rate = tips[range.clone()]
+        .windows(2)
+        .fold(0.0_f64, |g, pair| g.max((pair[1] - pair[0]).abs()))
+        / response.sample_s;
+    let ftc = if plane.ftc_gain == 0.0 {
+        0.0
+    } else if greatest(tips) < plane.tip_travel && rate < RATE_MET * plane.tip_rate {
+        1.0
+    } else {
+        return None;
+    };
+    let error = greatest(response.tvc_error_rad());
+    let tvc = if error <= plane.dead_zone && plane.dead_zone > 0.0 {
+        0.0
+    } else if plane.dead_zone == 0.0 && plane.tvc_gain * error < plane.tvc_limit {
+        1.0
+    } else {
+        return None;
+    };
+    Some(ChannelGains { ftc, tvc })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::short_period::{claims::NORMAL, reference, study_file::Study};
+    use crate::vehicle::Vehicle;
+
+    fn normal() -> Plan {
+        let mut study = Study::shipped().unwrap();
+        study.conditions.retain(|c| c.name == NORMAL);
+        let mut plan = Plan::new(&study, &Vehicle::shipped().unwrap()).unwrap();
+        plan.yaw_roll.clear();
+        plan
+    }
+
+    #[test]
+    fn the_normal_mode_agrees_with_its_eigenvalues_where_it_is_linear() {
+        let plan = normal();
+        let (responses, _) = reference::answer(&plan, 1e-3);
+        let compared = compare(&plan, &responses);
+        let of = |whole: bool| {
+            compared
+                .iter()
+                .filter(move |a| matches!(a.compared, Compared::Response { .. }) == whole)
+        };
+        // Before the tips are switched in nothing but the force limit is not linear.
+        assert!(
+            of(true).count() > 0 && of(false).count() > 0,
+            "{compared:?}"
+        );
+        for agreement in &compared {
+            assert!(agreement.agrees(), "{agreement:?}");
+        }
+    }
+
+    #[test]
+    fn another_damping_does_not_agree() {
+        let plan = normal();
+        let mut wrong = plan.clone();
+        for case in &mut wrong.pitch {
+            case.settings.plane.bending_drag *= 1.5;
+        }
+        let (responses, _) = reference::answer(&wrong, 1e-3);
+        let compared = compare(&plan, &responses);
+        assert!(!compared.is_empty());
+        assert!(compared.iter().all(|a| !a.agrees()), "{compared:?}");
+    }
+}
