@@ -4,9 +4,11 @@
 mod bench_top;
 mod case_study;
 mod determinism;
+mod exercises;
 mod faults;
 mod flight;
 mod frame_cycle;
+mod gain_design;
 mod long_period;
 mod partition;
 mod sampling;

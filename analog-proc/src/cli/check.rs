@@ -1,6 +1,6 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
-use super::{CHECK_FAILED, Failure, PatchArgs};
+use super::{CHECK_FAILED, Failure, PatchArgs, is_coloured};
 use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
 use interface::{control::StaticCheckLine, profile::Profile};
 
@@ -23,6 +23,8 @@ impl PatchArgs {
         let faults = |f: patch::PatchFaults| {
             Failure::input(if self.json {
                 serde_json::json!({ "faults": f.to_list() }).to_string()
+            } else if is_coloured() {
+                f.render_coloured()
             } else {
                 f.render()
             })

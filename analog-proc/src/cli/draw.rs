@@ -1,6 +1,6 @@
 //! `analog-proc draw`.
 
-use super::{Failure, PatchArgs};
+use super::{Failure, PatchArgs, expect_folder};
 use crate::draw;
 use std::path::PathBuf;
 
@@ -15,11 +15,12 @@ pub struct Draw {
 
 impl Draw {
     pub fn execute(self) -> Result<(), Failure> {
-        let compiled = self.patch.compile()?;
-        let svg = draw::svg(&compiled.ordered);
         let out = self.out.unwrap_or_else(|| {
             PathBuf::from(self.patch.patch.file_stem().unwrap_or_default()).with_extension("svg")
         });
+        expect_folder(&out)?;
+        let compiled = self.patch.compile()?;
+        let svg = draw::svg(&compiled.ordered);
         if out.as_os_str() == "-" {
             println!("{svg}");
             return Ok(());

@@ -9,7 +9,11 @@ mod run;
 mod serve;
 
 use clap::{Args, Parser, Subcommand};
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    io::IsTerminal,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 /// Exit code for a check that failed.
 pub const CHECK_FAILED: u8 = 1;
@@ -22,9 +26,11 @@ pub const PARTNER_FAILED: u8 = 3;
 ///
 /// Try it on a shipped patch:
 ///
-///     analog-proc check patch-files/van-der-pol.toml
-///     analog-proc run   patch-files/van-der-pol.toml --until 20s --every 10ms --record x,v --out vdp.csv
-///     analog-proc draw  patch-files/van-der-pol.toml --out vdp.svg
+///   analog-proc check patch-files/van-der-pol.toml
+///   analog-proc run   patch-files/van-der-pol.toml --until 20s --out vdp.csv
+///   analog-proc draw  patch-files/van-der-pol.toml --out vdp.svg
+///
+/// The language of patch files and six exercises are in patch-files/README.md.
 #[derive(Parser)]
 #[command(
     name = "analog-proc",
@@ -87,6 +93,25 @@ impl Failure {
             code: BAD_INPUT,
             text: error.to_string(),
         }
+    }
+}
+
+/// Whether messages go to a terminal whose user has not refused colours.
+fn is_coloured() -> bool {
+    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}
+
+/// Refuses a file in a folder that is not there, before any work is done for it.
+fn expect_folder(file: &Path) -> Result<(), Failure> {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(Failure::input(format!(
+                "cannot write {}: there is no folder {}; make it first, or name another file",
+                file.display(),
+                folder.display()
+            )))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -1,8 +1,8 @@
 //! `analog-proc run`: a patch by itself, recorded to a file.
 
-use super::{Failure, PatchArgs, check::Compiled};
+use super::{Failure, PatchArgs, check::Compiled, expect_folder};
 use crate::{
-    net::NetId,
+    net::{Block, Kind, NetId},
     record::{RecordFault, Recorder},
     simulation::Simulation,
 };
@@ -24,11 +24,11 @@ pub struct Run {
     /// Interval between recorded rows; recording never alters the integration
     #[arg(long, value_name = "TIME", default_value = "10ms")]
     every: Tick,
-    /// Nets to record, separated by commas [default: every integrator]
-    #[arg(long, value_delimiter = ',')]
+    /// Nets to record, separated by commas [default: every integrator and lag, or every block if there are none]
+    #[arg(long, value_delimiter = ',', value_name = "NETS")]
     record: Vec<String>,
     /// File to write: .csv (17 significant digits) or .arrow (IPC stream); `-` for CSV on standard output
-    #[arg(long, short, default_value = "-")]
+    #[arg(long, short, default_value = "-", value_name = "FILE")]
     out: PathBuf,
 }
 
@@ -39,6 +39,13 @@ impl Run {
                 "--until must not be negative and --every must be positive",
             ));
         }
+        if self.until > Tick::ZERO && self.every > self.until {
+            return Err(Failure::input(format!(
+                "--every {} is longer than --until {}: nothing but the start would be recorded",
+                self.every, self.until
+            )));
+        }
+        expect_folder(&self.out)?;
         let Compiled { ordered, .. } = self.patch.compile()?;
         let names = self.recorded(&ordered)?;
         let nets: Vec<NetId> = names.iter().map(|(_, id)| *id).collect();
@@ -56,11 +63,14 @@ impl Run {
             }
             progress.at(time_s);
         });
-        recorder.finish().map_err(write)?;
+        let finished = recorder.finish();
         progress.done();
-        if let Some(fault) = failed {
-            return Err(write(fault));
+        let written = failed.map_or(finished, Err);
+        if written.as_ref().is_err_and(RecordFault::reader_left) {
+            // `| head` and the like: nobody wants the rest.
+            return Ok(());
         }
+        written.map_err(write)?;
         let overloads: Vec<String> = simulation
             .overloads()
             .iter()
@@ -77,17 +87,20 @@ impl Run {
         })?;
         if advance.stopped_by.is_some() {
             eprintln!(
-                "the run ended at {} by its overload policy",
+                "the run ended at {} by the patch's overload policy",
                 advance.reached
             );
         }
         let s = simulation.statistics();
         let to_file = self.out.as_os_str() != "-";
         if self.patch.json {
-            eprintln!(
-                "{}",
-                serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads })
-            );
+            let report = serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads });
+            // Standard output may be taken by the record.
+            if to_file {
+                println!("{report}");
+            } else {
+                eprintln!("{report}");
+            }
         } else if to_file {
             println!(
                 "{}: {} steps ({} rejected), {} events; recorded to {}",
@@ -105,13 +118,16 @@ impl Run {
     fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
         let netlist = &ordered.netlist;
         if self.record.is_empty() {
-            let blocks = netlist.blocks.iter().filter(|b| {
-                matches!(
-                    b.kind,
-                    crate::net::Kind::Integrator { .. } | crate::net::Kind::Lag { .. }
-                )
-            });
-            return Ok(blocks.map(|b| (b.name.clone(), b.outputs[0])).collect());
+            let is_state =
+                |b: &&Block| matches!(b.kind, Kind::Integrator { .. } | Kind::Lag { .. });
+            let mut blocks: Vec<&Block> = netlist.blocks.iter().filter(is_state).collect();
+            if blocks.is_empty() {
+                blocks = netlist.blocks.iter().collect();
+            }
+            let nets = blocks.iter().flat_map(|b| &b.outputs);
+            return Ok(nets
+                .map(|id| (netlist.nets[id.index()].name.clone(), *id))
+                .collect());
         }
         let find = |name: &String| {
             netlist
