@@ -222,7 +222,10 @@ impl Task {
         let [q, r, p] = self.channels.gyro.map(|n| samples.adc[n]);
         let (s, c) = phi.sin_cos();
         let (error_theta, error_psi) = (command - theta, -psi);
-        let errors = [error_theta * c + error_psi * s, error_psi * c - error_theta * s];
+        let errors = [
+            error_theta * c + error_psi * s,
+            error_psi * c - error_theta * s,
+        ];
         let settings = &result.settings;
         let gains = &settings.gains;
         // The lag's answer to a held input over one frame.

@@ -290,7 +290,9 @@ mod tests {
         for _ in 0..40 {
             let y: Vec<f64> = (0..199)
                 .map(|n| {
-                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                    state = state
+                        .wrapping_mul(6_364_136_223_846_793_005)
+                        .wrapping_add(1);
                     let rounding = 1.0 + ((state >> 40) as f64 / 2f64.powi(24) - 0.5) * 4e-16;
                     let fast = 0.725_f64.powi(n) + 0.2286_f64.powi(n) - 0.0597_f64.powi(n)
                         + (-0.0482_f64).powi(n);

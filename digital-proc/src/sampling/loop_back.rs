@@ -63,7 +63,10 @@ impl Route {
             None => Ok(0),
             Some(name) => list.iter().position(|c| c.name == name).ok_or_else(|| {
                 let names: Vec<&str> = list.iter().map(|c| c.name.as_str()).collect();
-                format!("the patch has no {what} `{name}`; it has {}", names.join(", "))
+                format!(
+                    "the patch has no {what} `{name}`; it has {}",
+                    names.join(", ")
+                )
             }),
         };
         let position = find(&adcs, adc, "ADC")?;
@@ -308,6 +311,10 @@ mod tests {
         assert_eq!((route.scan, route.position, route.dac), (vec![1, 3], 1, 2));
         assert_eq!(route.full_scale, 5.0);
         assert_eq!(Route::of(&all, None, Some("u")).unwrap().full_scale, 7.0);
-        assert!(Route::of(&all, Some("x"), None).unwrap_err().contains("it has a, b"));
+        assert!(
+            Route::of(&all, Some("x"), None)
+                .unwrap_err()
+                .contains("it has a, b")
+        );
     }
 }

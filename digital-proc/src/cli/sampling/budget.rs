@@ -66,7 +66,12 @@ pub struct Budget {
     #[arg(long, value_name = "TIME")]
     settling: Option<Tick>,
     /// Lead of the digital law, frames: u = m + a (m - m before)
-    #[arg(long, default_value_t = 0.0, value_name = "FRAMES", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "FRAMES",
+        allow_negative_numbers = true
+    )]
     lead: f64,
 }
 
@@ -147,7 +152,13 @@ impl Measure for Budget {
         };
         let theory = all.chain(&route).budget(omega);
         let mut measured: Vec<Option<Response>> = Vec::new();
-        let later = alone(&|s| s.latency = all.latency, Response { gain: 1.0, phase_rad: 0.0 })?;
+        let later = alone(
+            &|s| s.latency = all.latency,
+            Response {
+                gain: 1.0,
+                phase_rad: 0.0,
+            },
+        )?;
         for row in &theory {
             measured.push(match row.stage {
                 "multiplexer skew" if all.skew > Tick::ZERO => Some(alone(
@@ -171,7 +182,10 @@ impl Measure for Budget {
                 }
                 "hold" => Some(alone(
                     &|s| s.hold = all.hold,
-                    Response { gain: 1.0, phase_rad: 0.0 },
+                    Response {
+                        gain: 1.0,
+                        phase_rad: 0.0,
+                    },
                 )?),
                 "settling" if all.settling > Tick::ZERO => {
                     Some(alone(&|s| s.settling = all.settling, reference)?)
@@ -231,13 +245,16 @@ impl Measure for Budget {
         );
         let exact = all.chain(&route).transfer(omega);
         if all.adc_bits.is_none() && all.dac_bits.is_none() {
-            let phase = crate::sampling::identify::angle_difference_rad(whole.phase_rad, exact.arg())
-                .to_degrees()
-                .abs();
+            let phase =
+                crate::sampling::identify::angle_difference_rad(whole.phase_rad, exact.arg())
+                    .to_degrees()
+                    .abs();
             let gain = (whole.gain / exact.norm() - 1.0).abs();
             outcome.check(
                 phase < LIMIT_DEG && gain < LIMIT_GAIN,
-                format!("the whole chain is that of theory: {phase:.1e}° and {gain:.1e} of gain apart"),
+                format!(
+                    "the whole chain is that of theory: {phase:.1e}° and {gain:.1e} of gain apart"
+                ),
             );
         }
         self.over_frequency(bench, &route, &all, &mut outcome)?;
@@ -289,8 +306,20 @@ impl Budget {
         turns(&mut phase);
         let axis = || Axis::new("frequency", "Hz").log();
         for (id, title, y, theory, measured) in [
-            ("gain", "Gain of the channel", Axis::new("gain", ""), &line_gain, &gain),
-            ("phase", "Phase of the channel", Axis::new("phase", "°"), &line_phase, &phase),
+            (
+                "gain",
+                "Gain of the channel",
+                Axis::new("gain", ""),
+                &line_gain,
+                &gain,
+            ),
+            (
+                "phase",
+                "Phase of the channel",
+                Axis::new("phase", "°"),
+                &line_phase,
+                &phase,
+            ),
         ] {
             let pair = Pair {
                 name: "",

@@ -52,12 +52,21 @@ impl Measure for Flight {
         }
         .map_err(Failure::input)?;
         if self.until < Tick(25_000_000_000) {
-            return Err(Failure::input("--until must be at least 25s, the step of the command comes at 20 s"));
+            return Err(Failure::input(
+                "--until must be at least 25s, the step of the command comes at 20 s",
+            ));
         }
-        if let Some(bad) = self.frame.iter().find(|f| f.0 < 1_000_000 || f.0 > 500_000_000) {
-            return Err(Failure::input(format!("--frame {bad} is not between 1ms and 500ms")));
+        if let Some(bad) = self
+            .frame
+            .iter()
+            .find(|f| f.0 < 1_000_000 || f.0 > 500_000_000)
+        {
+            return Err(Failure::input(format!(
+                "--frame {bad} is not between 1ms and 500ms"
+            )));
         }
-        let case = FlightCase::design(&vehicle, FlightMode::Normal.script()).map_err(Failure::input)?;
+        let case =
+            FlightCase::design(&vehicle, FlightMode::Normal.script()).map_err(Failure::input)?;
         let limit = vehicle.data().limits.q_alpha_padeg;
         let mut outcome = Outcome::new(
             "flight",
