@@ -9,5 +9,6 @@ mod faults;
 mod flight;
 mod frame_cycle;
 mod partition;
+mod replay;
 mod sampling;
 mod sessions;

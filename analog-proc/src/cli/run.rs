@@ -115,7 +115,8 @@ impl Run {
     fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
         let netlist = &ordered.netlist;
         if self.record.is_empty() {
-            let is_state = |b: &&Block| matches!(b.kind, Kind::Integrator { .. } | Kind::Lag { .. });
+            let is_state =
+                |b: &&Block| matches!(b.kind, Kind::Integrator { .. } | Kind::Lag { .. });
             let mut blocks: Vec<&Block> = netlist.blocks.iter().filter(is_state).collect();
             if blocks.is_empty() {
                 blocks = netlist.blocks.iter().collect();

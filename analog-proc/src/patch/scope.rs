@@ -264,7 +264,11 @@ impl Expander<'_> {
     }
 
     /// Tells of each port once; what reads it is no further fault.
-    fn unbound_root_ports(&mut self, root: u32, text: &PatchText) -> HashMap<String, Option<Entry>> {
+    fn unbound_root_ports(
+        &mut self,
+        root: u32,
+        text: &PatchText,
+    ) -> HashMap<String, Option<Entry>> {
         for (port, at) in &text.ports {
             let file = self.faults.sources.name(root).to_owned();
             self.faults.push(*at, |src, at| PatchFault::UnboundPort {

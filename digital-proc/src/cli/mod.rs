@@ -8,9 +8,9 @@ mod failure;
 mod fly;
 mod replay;
 mod runs;
+mod sampling;
 mod short_period;
 mod study_input;
-mod sampling;
 
 pub use failure::Failure;
 

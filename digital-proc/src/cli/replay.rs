@@ -10,9 +10,10 @@ use crate::{
     },
     progress::Progress,
     run_dir::{
-        DEFAULT_BASE, RECORD_FILE, RunDirectory, TRACE_FILE, TRANSFERS_FILE, Trace, TraceWriter,
-        first_difference, resolve,
+        DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, TRACE_FILE, TRANSFERS_FILE, Trace,
+        TraceWriter, first_difference, resolve,
     },
+    study::fault::Source,
 };
 use serde_json::json;
 use std::path::PathBuf;
@@ -43,7 +44,17 @@ pub struct Replay {
 impl Replay {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let directory = resolve(&self.runs, &self.run).map_err(Failure::input)?;
-        let record = directory.read_record().map_err(Failure::input)?;
+        let path = directory.file(RECORD_FILE);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
+        let record: RunRecord = toml::from_str(&text).map_err(|error| {
+            let file = path.display().to_string();
+            let source = Source {
+                file: &file,
+                text: &text,
+            };
+            Failure::input(source.reader_fault(&error))
+        })?;
         if record.command.split(' ').next() != Some("fly") {
             return Err(Failure::input(format!(
                 "`{}` is a run of `{}`; only flights can be replayed",
@@ -51,9 +62,6 @@ impl Replay {
                 record.command
             )));
         }
-        let path = directory.file(RECORD_FILE);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
         let plan_record = PlanRecord::from_run_toml(&path, &text).map_err(Failure::input)?;
         let in_record = |fault: crate::flight::plan_record::PlanFault| {
             Failure::input(format!("{}: {fault}", path.display()))

@@ -546,8 +546,8 @@ impl Measure for Alpha {
                 let setting = self.setting(*omega, scheme, slow);
                 let (row, record) = bench.alpha(&setting)?;
                 zeta = zeta.max((row.zeta_measured - row.zeta_exact).abs());
-                omega_error = omega_error
-                    .max((row.omega_measured_rad_s / row.omega_exact_rad_s - 1.0).abs());
+                omega_error =
+                    omega_error.max((row.omega_measured_rad_s / row.omega_exact_rad_s - 1.0).abs());
                 agree &= row.stable_measured == (row.spectral_radius < 1.0);
                 table.row([
                     name.as_str().into(),
@@ -558,7 +558,12 @@ impl Measure for Alpha {
                     row.zeta_continuous.into(),
                     row.omega_measured_rad_s.into(),
                     row.omega_exact_rad_s.into(),
-                    (if row.stable_measured { "stable" } else { "unstable" }).into(),
+                    (if row.stable_measured {
+                        "stable"
+                    } else {
+                        "unstable"
+                    })
+                    .into(),
                     row.spectral_radius.into(),
                 ]);
                 if Some(*omega) == last_omega {
@@ -609,7 +614,10 @@ fn histories_chart(
         })
         .collect();
     LineChart::new(
-        format!("Angle after a displacement, ω = {} rad/s", omega.unwrap_or(f64::NAN)),
+        format!(
+            "Angle after a displacement, ω = {} rad/s",
+            omega.unwrap_or(f64::NAN)
+        ),
         Axis::new("time", "s"),
         Axis::new("angle / angle at the start", ""),
         series,
@@ -664,7 +672,11 @@ impl Alpha {
         );
 
         let fasts = [1_u32, 2, 5, 10, 20];
-        let gain = if self.gain.contains(&0.2) { 0.2 } else { self.gain.first().copied().unwrap_or(0.2) };
+        let gain = if self.gain.contains(&0.2) {
+            0.2
+        } else {
+            self.gain.first().copied().unwrap_or(0.2)
+        };
         let slow_axis = [0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2];
         let mut table = Table::new(vec![
             Heading::new("scheme", ""),
@@ -683,7 +695,11 @@ impl Alpha {
                 let scheme = match column {
                     0 => Scheme::Conventional,
                     i => match self.redundant(gain) {
-                        Scheme::Redundant { delivery, correction, .. } => Scheme::Redundant {
+                        Scheme::Redundant {
+                            delivery,
+                            correction,
+                            ..
+                        } => Scheme::Redundant {
                             slow_frames: fasts[i - 1],
                             gain,
                             delivery,
@@ -699,7 +715,12 @@ impl Alpha {
                     heads[column].as_str().into(),
                     slow.into(),
                     setting.loop_.frame_s.into(),
-                    (if row.stable_measured { "stable" } else { "unstable" }).into(),
+                    (if row.stable_measured {
+                        "stable"
+                    } else {
+                        "unstable"
+                    })
+                    .into(),
                     row.spectral_radius.into(),
                 ]);
                 cells.push(HeatCell {
@@ -710,7 +731,10 @@ impl Alpha {
             }
             matrix.push(cells);
         }
-        outcome.check(right, "the stable region of the sweep is that of the monodromy matrix");
+        outcome.check(
+            right,
+            "the stable region of the sweep is that of the monodromy matrix",
+        );
         outcome.table(
             "stability",
             format!("Where the loop of {omega} rad/s is stable, K = {gain}."),
@@ -723,7 +747,10 @@ impl Alpha {
                 quantity: "damping ratio ζ".to_owned(),
                 corner: "scheme against slow period".to_owned(),
                 rows: heads,
-                columns: slow_axis.iter().map(|s| format!("{} ms", s * 1e3)).collect(),
+                columns: slow_axis
+                    .iter()
+                    .map(|s| format!("{} ms", s * 1e3))
+                    .collect(),
                 cells: matrix,
                 scale: None,
                 digits: 2,
@@ -757,7 +784,10 @@ impl Alpha {
         }
         outcome.table(
             "drift",
-            format!("Error that a drift of {} deg/s of the analog integrator leaves.", self.drift),
+            format!(
+                "Error that a drift of {} deg/s of the analog integrator leaves.",
+                self.drift
+            ),
             table,
         );
         Ok(())
