@@ -199,7 +199,9 @@ fn runs_are_listed_exported_and_plotted() {
     );
     let file = run.join("of-mine.csv");
     expect(
-        on_runs(&bench, &["export", "last", "--csv", "--out"]).arg(&file),
+        on_runs(&bench, &["export", "last", "--csv"])
+            .arg("--out")
+            .arg(&file),
         0,
     );
     assert_eq!(std::fs::read_to_string(&file).unwrap(), printed);

@@ -2,7 +2,7 @@
 
 use super::{Context, Failure, JoinArgs, failure::CHECK_FAILED, fly::BATCH_ROWS};
 use crate::{
-    console::Console,
+    console::{Console, ConsoleFault},
     flight::{
         FlightFault, Stage, Timing,
         plan_record::{Pace, PlanRecord},
@@ -102,21 +102,25 @@ impl Replay {
             Some((log, _)) => Timing::Replay(log),
         };
         let mut progress = Progress::new(plan.stop.secs() as u64, "s of flight");
-        let flown = stage.fly_timed(&mut console, &plan, timing, |frame, result| {
-            progress.at(result.sample.time_s as u64);
-            rows.push(frame.tick, &trace::row(frame, result))
-                .map_err(|e| FlightFault::Observer(e.to_string()))
-        });
+        let flown = stage.fly_timed(
+            &mut console,
+            &plan,
+            timing,
+            |_| Ok(()),
+            |frame, result| {
+                progress.at(result.sample.time_s as u64);
+                rows.push(frame.tick, &trace::row(frame, result))
+                    .map_err(|e| FlightFault::Observer(e.to_string()))
+            },
+        );
         progress.done();
         let closed = rows.finish();
-        // A run that was cut off by a fault of its own is cut off by the same one here.
-        match flown {
-            Err(FlightFault::Console(crate::console::ConsoleFault::Link(fault))) => {
-                return Err(fault.into());
-            }
-            Err(fault) if recorded.is_complete() => return Err(fault.into()),
-            _ => {}
-        }
+        // A flight that was lost is lost here too, at the same frame.
+        let lost = match flown {
+            Ok(_) => None,
+            Err(FlightFault::Console(ConsoleFault::Link(fault))) => return Err(fault.into()),
+            Err(fault) => Some(fault.to_string()),
+        };
         closed.map_err(Failure::input)?;
         console.bye()?;
         drop(machine);
@@ -126,16 +130,16 @@ impl Replay {
             &recorded,
             transfers.as_ref().map(|(log, done)| (log, *done)),
         );
-        self.tell(&directory, &recorded, &replayed, rows)
+        self.tell(&directory, [&recorded, &replayed], rows, lost)
     }
 
     /// Says whether the two are one.
     fn tell(
         &self,
         directory: &RunDirectory,
-        recorded: &Trace,
-        replayed: &Trace,
+        [recorded, replayed]: [&Trace; 2],
         rows: usize,
+        lost: Option<String>,
     ) -> Result<(), Failure> {
         let difference = first_difference(recorded, replayed, rows);
         let compared = recorded.rows().min(rows);
@@ -144,6 +148,7 @@ impl Replay {
                 "run": directory.name(),
                 "identical": difference.is_none(),
                 "rows": compared,
+                "lost": lost,
                 "difference": difference.as_ref().map(ToString::to_string),
             });
             println!("{result:#}");
@@ -155,6 +160,9 @@ impl Replay {
                         "identical: {compared} rows of {} columns",
                         recorded.columns().len()
                     );
+                    if let Some(lost) = lost {
+                        println!("the flight was lost: {lost}");
+                    }
                     if compared < replayed.rows() {
                         println!("the recorded run was cut off there");
                     }

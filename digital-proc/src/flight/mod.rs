@@ -176,10 +176,11 @@ impl<'v> Stage<'v> {
         plan: &FlightPlan,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
-        self.fly_timed(console, plan, Timing::LockStep, observe)
+        self.fly_timed(console, plan, Timing::LockStep, |_| Ok(()), observe)
     }
 
-    /// As [`Stage::fly`], free-running or as it was recorded.
+    /// As [`Stage::fly`], free-running or as it was recorded. `told` hears of every frame
+    /// that came, also of those in which the flight was lost already.
     ///
     /// # Errors
     /// As [`Stage::fly`].
@@ -188,6 +189,7 @@ impl<'v> Stage<'v> {
         console: &mut Console<'_>,
         plan: &FlightPlan,
         timing: Timing<'_>,
+        told: impl FnMut(&Samples) -> Result<(), FlightFault>,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
         fly_loaded(
@@ -195,7 +197,7 @@ impl<'v> Stage<'v> {
             (self.vehicle, &self.channels),
             plan,
             timing,
-            observe,
+            (told, observe),
         )
     }
 }
@@ -219,7 +221,10 @@ fn fly_loaded(
     (vehicle, channels): (&Vehicle, &StageChannels),
     plan: &FlightPlan,
     timing: Timing<'_>,
-    mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    (mut told, mut observe): (
+        impl FnMut(&Samples) -> Result<(), FlightFault>,
+        impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ),
 ) -> Result<FlightSummary, FlightFault> {
     let frame = plan
         .slow
@@ -278,9 +283,18 @@ fn fly_loaded(
             Ok(None)
         },
         |samples, result| {
-            if let Some(result) = result {
-                monitor.observe(&result.sample, result.edges);
-                observe(samples, &result).unwrap_or_else(|fault| lost.set(Some(fault)));
+            let keep = || {
+                told(samples)?;
+                if let Some(result) = result {
+                    monitor.observe(&result.sample, result.edges);
+                    observe(samples, &result)?;
+                }
+                Ok(())
+            };
+            if let Err(fault) = keep()
+                && !is_lost()
+            {
+                lost.set(Some(fault));
             }
             Ok(())
         },
