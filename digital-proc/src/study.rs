@@ -4,5 +4,7 @@ pub mod case_study;
 pub mod claim;
 pub mod failure_file;
 pub mod fault;
+pub mod gain_design;
 pub mod long_period;
+pub mod sensitivity;
 pub mod short_period;

@@ -8,7 +8,6 @@ use super::{
 };
 use crate::{
     console::Console,
-    flight::FlightFault,
     progress::Progress,
     report::{
         case_study::{case_study_report, report_claims},
@@ -16,12 +15,10 @@ use crate::{
     },
     run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
     study::{
-        case_study::{self, CasePlan, CaseResults},
+        case_study::{self, CaseFault, CasePlan, CaseResults},
         failure_file::FailureFile,
-        long_period::{
-            results::History,
-            run::{LongPeriodPlan, StudyFault},
-        },
+        long_period::{results::History, run::LongPeriodPlan},
+        sensitivity::dispersion_file::Dispersions,
         short_period::{machine::Patches, plan::Plan},
     },
 };
@@ -50,6 +47,12 @@ pub struct CaseStudy {
     /// Failure file of your own: modes of the long-period flights [default: the shipped modes]
     #[arg(long, value_name = "FILE")]
     failures: Option<PathBuf>,
+    /// Dispersion file of your own for the sensitivity tables [default: the shipped one]
+    #[arg(long, value_name = "FILE", conflicts_with = "no_sensitivity")]
+    dispersions: Option<PathBuf>,
+    /// Leave out the sensitivity tables, which no claim needs
+    #[arg(long)]
+    no_sensitivity: bool,
     /// Directory for runs; each run makes its own directory there
     #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
     out: PathBuf,
@@ -69,11 +72,17 @@ impl CaseStudy {
             .transpose()
             .map_err(Failure::input)?;
         let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
+        let dispersions = match &self.dispersions {
+            _ if self.no_sensitivity => None,
+            Some(path) => Some(Dispersions::load(path).map_err(Failure::input)?),
+            None => Some(Dispersions::shipped().map_err(Failure::input)?),
+        };
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let plan = CasePlan {
             short: Plan::new(&study, &vehicle).map_err(Failure::input)?,
             patches: Patches::shipped(),
             long: LongPeriodPlan::new(failures.modes.clone(), profile.clone()),
+            dispersions,
         };
 
         let mut machine = self.machine.start(context)?;
@@ -111,7 +120,7 @@ impl CaseStudy {
         directory.write_record(&record).map_err(Failure::input)?;
         let summary = results.summary();
         directory.write_summary(&summary).map_err(Failure::input)?;
-        let html = case_study_report(&results, Vec::new(), &record);
+        let html = case_study_report(&results, &plan, &record);
         let report = directory.write_report(&html).map_err(Failure::input)?;
 
         if self.machine.json {
@@ -129,11 +138,11 @@ impl CaseStudy {
     }
 }
 
-impl From<StudyFault> for Failure {
-    fn from(fault: StudyFault) -> Failure {
+impl From<CaseFault> for Failure {
+    fn from(fault: CaseFault) -> Failure {
         match fault {
-            StudyFault::Flight(FlightFault::Console(fault)) => fault.into(),
-            other => Failure::input(other),
+            CaseFault::Study(fault) => fault.into(),
+            CaseFault::Sensitivity(fault) => fault.into(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Why a command did not do what it was asked, with its exit code.
 
-use crate::{console::ConsoleFault, launch::LaunchFault};
+use crate::{console::ConsoleFault, launch::LaunchFault, study::long_period::run::StudyFault};
 use interface::link::LinkFault;
 
 /// Exit code for a claim or check that failed.
@@ -73,6 +73,15 @@ impl From<LaunchFault> for Failure {
                 text: fault.to_string(),
             },
             LaunchFault::Session(fault) => Failure::input(fault),
+        }
+    }
+}
+
+impl From<StudyFault> for Failure {
+    fn from(fault: StudyFault) -> Failure {
+        match fault {
+            StudyFault::Flight(fault) => fault.into(),
+            other => Failure::input(other),
         }
     }
 }

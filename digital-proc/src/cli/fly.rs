@@ -118,7 +118,7 @@ impl Fly {
         let started = UtcSecond::from_system(SystemTime::now());
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
-        let stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
 
         let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)
             .map_err(Failure::input)?;
@@ -161,12 +161,19 @@ impl Fly {
             }
             Ok(())
         };
-        let flown = stage.fly_timed(&mut console, &plan, timing, told, |frame, result| {
-            progress.at(result.sample.time_s as u64);
-            saturations.note(frame);
-            rows.push(frame.tick, &trace::row(frame, result))
-                .map_err(unwritten)
-        });
+        let flown = stage.fly_timed(
+            &mut console,
+            &vehicle,
+            &plan,
+            timing,
+            told,
+            |frame, result| {
+                progress.at(result.sample.time_s as u64);
+                saturations.note(frame);
+                rows.push(frame.tick, &trace::row(frame, result))
+                    .map_err(unwritten)
+            },
+        );
         progress.done();
         let closed = rows.finish();
         let pacing = match paced {

@@ -4,13 +4,17 @@
 //! partner process failed, 130 interrupted.
 
 mod case_study;
+mod design_gains;
 mod failure;
 mod fly;
+mod long_period;
 mod replay;
 mod runs;
 mod sampling;
+mod sensitivity;
 mod short_period;
 mod study_input;
+mod study_run;
 
 pub use failure::Failure;
 
@@ -60,6 +64,12 @@ enum Command {
     ShortPeriod(short_period::ShortPeriod),
     /// The sampling laboratory: what an interface does to a loop, measured beside theory
     Sampling(sampling::Sampling),
+    /// Fly every mode of the failure file and judge the claims about trajectory and loads
+    LongPeriod(long_period::LongPeriod),
+    /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
+    DesignGains(design_gains::DesignGains),
+    /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
+    Sensitivity(sensitivity::Sensitivity),
 }
 
 /// The link between the two sides.
@@ -155,6 +165,9 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         Command::Plot(c) => c.execute(),
         Command::ShortPeriod(c) => c.execute(&context),
         Command::Sampling(c) => c.execute(&context),
+        Command::LongPeriod(c) => c.execute(&context),
+        Command::DesignGains(c) => c.execute(&context),
+        Command::Sensitivity(c) => c.execute(&context),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

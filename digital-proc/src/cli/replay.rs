@@ -81,7 +81,7 @@ impl Replay {
 
         let mut machine = self.join.start(context)?;
         let mut console = Console::new(machine.port());
-        let stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
         if let Some(patch) = &record.patch
             && patch.sha256 != console.patch_hash()
         {
@@ -104,6 +104,7 @@ impl Replay {
         let mut progress = Progress::new(plan.stop.secs() as u64, "s of flight");
         let flown = stage.fly_timed(
             &mut console,
+            &vehicle,
             &plan,
             timing,
             |_| Ok(()),

@@ -128,23 +128,23 @@ fn parameters(vehicle: &Vehicle) -> Vec<(String, f64)> {
     .into()
 }
 
-/// The stage patch on the machine, with one vehicle's numbers set: many flights
+/// The stage patch on the machine, with a vehicle's numbers set: many flights
 /// follow one another on it without a restart (rep-op).
-pub struct Stage<'v> {
-    vehicle: &'v Vehicle,
+pub struct Stage {
     channels: StageChannels,
+    parameters: Vec<(String, f64)>,
 }
 
-impl<'v> Stage<'v> {
+impl Stage {
     /// Loads the shipped stage patch.
     ///
     /// # Errors
     /// [`FlightFault::Console`]: the machine or its link.
     pub fn load(
         console: &mut Console<'_>,
-        vehicle: &'v Vehicle,
+        vehicle: &Vehicle,
         profile: &Profile,
-    ) -> Result<Stage<'v>, FlightFault> {
+    ) -> Result<Stage, FlightFault> {
         Stage::load_patch(console, vehicle, profile, stage_patch())
     }
 
@@ -154,29 +154,39 @@ impl<'v> Stage<'v> {
     /// [`FlightFault::Console`]: the machine, its link, or a patch that lacks a channel.
     pub fn load_patch(
         console: &mut Console<'_>,
-        vehicle: &'v Vehicle,
+        vehicle: &Vehicle,
         profile: &Profile,
         patch: PatchBundle,
-    ) -> Result<Stage<'v>, FlightFault> {
-        console.load(patch, parameters(vehicle), profile.clone())?;
+    ) -> Result<Stage, FlightFault> {
+        let parameters = parameters(vehicle);
+        console.load(patch, parameters.clone(), profile.clone())?;
         Ok(Stage {
-            vehicle,
             channels: StageChannels::resolve(console)?,
+            parameters,
         })
     }
 
     /// Flies `plan` (its profile was settled at loading) from initial conditions
-    /// and tells `observe` of every frame.
+    /// and tells `observe` of every frame. Where `vehicle` differs from the one
+    /// loaded in what the patch takes as parameters, they are set first.
     ///
     /// # Errors
     /// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
     pub fn fly(
-        &self,
+        &mut self,
         console: &mut Console<'_>,
+        vehicle: &Vehicle,
         plan: &FlightPlan,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
-        self.fly_timed(console, plan, Timing::LockStep, |_| Ok(()), observe)
+        self.fly_timed(
+            console,
+            vehicle,
+            plan,
+            Timing::LockStep,
+            |_| Ok(()),
+            observe,
+        )
     }
 
     /// As [`Stage::fly`], free-running or as it was recorded. `told` hears of every frame
@@ -185,16 +195,22 @@ impl<'v> Stage<'v> {
     /// # Errors
     /// As [`Stage::fly`].
     pub fn fly_timed(
-        &self,
+        &mut self,
         console: &mut Console<'_>,
+        vehicle: &Vehicle,
         plan: &FlightPlan,
         timing: Timing<'_>,
         told: impl FnMut(&Samples) -> Result<(), FlightFault>,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
+        let parameters = parameters(vehicle);
+        if parameters != self.parameters {
+            console.set_params(parameters.clone())?;
+            self.parameters = parameters;
+        }
         fly_loaded(
             console,
-            (self.vehicle, &self.channels),
+            (vehicle, &self.channels),
             plan,
             timing,
             (told, observe),
@@ -212,8 +228,8 @@ pub fn fly(
     plan: &FlightPlan,
     observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
 ) -> Result<FlightSummary, FlightFault> {
-    let stage = Stage::load(console, vehicle, &plan.profile)?;
-    stage.fly(console, plan, observe)
+    let mut stage = Stage::load(console, vehicle, &plan.profile)?;
+    stage.fly(console, vehicle, plan, observe)
 }
 
 fn fly_loaded(

@@ -9,12 +9,15 @@ pub mod case_study;
 mod claims;
 pub mod flight;
 pub mod format;
+pub mod gain_design;
 #[cfg(test)]
 mod gallery;
+pub mod long_period;
 pub mod pacing;
 mod page;
 pub mod plot;
 mod provenance;
+pub mod sensitivity;
 pub mod short_period;
 mod summary;
 mod table;

@@ -1,13 +1,19 @@
-//! The paper's whole case study (§4) in one session: short period, then long period.
+//! The paper's whole case study (§4) in one session: short period, long period, and
+//! sensitivities to dispersed parameters.
 //!
 //! The plans are data, so that a caller (the command, or a test that spoils
 //! something on purpose) decides what runs; judging is the studies' own.
 
 use super::claim::Claim;
+use super::gain_design::{bench::PitchBench, design::DesignFault};
 use super::long_period::{
     self,
     results::LongPeriodResults,
     run::{LongPeriodPlan, StudyFault},
+};
+use super::sensitivity::{
+    dispersion_file::Dispersions,
+    run::{PointSensitivity, loops, run as disperse},
 };
 use super::short_period::{
     claims::NORMAL,
@@ -15,7 +21,7 @@ use super::short_period::{
     outcome::Outcome,
     plan::Plan,
 };
-use crate::console::Console;
+use crate::console::{Console, ConsoleFault};
 use crate::vehicle::Vehicle;
 use serde_json::{Value, json};
 
@@ -28,13 +34,18 @@ pub struct CasePlan {
     pub patches: Patches,
     /// The flights; their profile is that of the whole session.
     pub long: LongPeriodPlan,
+    /// Dispersions of the pitch loop, if they are asked for; no claim needs them.
+    pub dispersions: Option<Dispersions>,
 }
 
 impl CasePlan {
     /// Number of runs and flights.
     #[must_use]
     pub fn runs(&self) -> usize {
-        self.short.pitch.len() + self.short.yaw_roll.len() + self.long.flights()
+        self.short.pitch.len()
+            + self.short.yaw_roll.len()
+            + self.long.flights()
+            + self.dispersions.as_ref().map_or(0, loops)
     }
 }
 
@@ -45,27 +56,57 @@ pub struct CaseResults {
     pub short: Outcome,
     /// Long period.
     pub long: LongPeriodResults,
+    /// Sensitivities, point by point.
+    pub sensitivity: Vec<PointSensitivity>,
+}
+
+/// Why the case study could not be completed.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseFault {
+    /// The short or long period.
+    #[error(transparent)]
+    Study(#[from] StudyFault),
+    /// The sensitivities.
+    #[error(transparent)]
+    Sensitivity(#[from] DesignFault),
+}
+
+impl From<ConsoleFault> for CaseFault {
+    fn from(fault: ConsoleFault) -> CaseFault {
+        CaseFault::Study(fault.into())
+    }
 }
 
 /// Runs everything on one session; `progress` is told the number of runs done.
 ///
 /// # Errors
-/// [`StudyFault`]: the machine, its link, or a nominal flight that is lost.
+/// [`CaseFault`]: the machine, its link, or a nominal flight that is lost.
 pub fn run(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
     plan: &CasePlan,
     mut progress: impl FnMut(usize),
-) -> Result<CaseResults, StudyFault> {
+) -> Result<CaseResults, CaseFault> {
     let profile = &plan.long.profile;
     let answers = machine::run(console, &plan.short, &plan.patches, profile, &mut progress)?;
     let done = plan.short.pitch.len() + plan.short.yaw_roll.len();
     let long = long_period::run::run(console, vehicle, &plan.long, |flights| {
         progress(done + flights);
     })?;
+    let done = done + plan.long.flights();
+    let sensitivity = match &plan.dispersions {
+        Some(dispersions) => {
+            let bench = PitchBench::load(console, profile)?;
+            disperse(console, &bench, vehicle, dispersions, |loops| {
+                progress(done + loops);
+            })?
+        }
+        None => Vec::new(),
+    };
     Ok(CaseResults {
         short: Outcome::new(plan.short.clone(), answers),
         long,
+        sensitivity,
     })
 }
 
@@ -144,6 +185,7 @@ impl CaseResults {
                 "modes": flights,
                 "worst_fuel": self.long.worst_fuel(),
             },
+            "sensitivity": self.sensitivity,
         })
     }
 

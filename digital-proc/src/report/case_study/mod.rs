@@ -1,6 +1,7 @@
 //! The case study's report: claims, figures 4 to 8, condition matrix, provenance.
 
 mod long_period;
+mod sensitivity;
 mod short_period;
 
 use maud::{Markup, html};
@@ -9,7 +10,7 @@ use super::{
     Claim, Numbering, Partition, Section, Verdict, block_diagram, claims_table, page, provenance,
 };
 use crate::run_dir::RunRecord;
-use crate::study::case_study::CaseResults;
+use crate::study::case_study::{CasePlan, CaseResults};
 use crate::study::claim;
 
 /// Which figure or table shows a claim.
@@ -24,9 +25,9 @@ const EVIDENCE: [(&str, &str); 14] = [
     ("Y2", "figure-5"),
     ("Y3", "figure-5"),
     ("Y4", "figure-5"),
-    ("L1", "figure-6"),
-    ("L2", "load"),
-    ("L2b", "flights"),
+    ("L1", "modes"),
+    ("L2", "q-alpha"),
+    ("L2b", "loads"),
     ("L3", "figure-8"),
 ];
 
@@ -54,9 +55,9 @@ pub fn report_claims(claims: &[claim::Claim], shown: impl Fn(&str) -> bool) -> V
         .collect()
 }
 
-/// The report as a page. `more` is appended before the provenance (a sensitivity study).
+/// The report as a page.
 #[must_use]
-pub fn case_study_report(results: &CaseResults, more: Vec<Section>, record: &RunRecord) -> String {
+pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRecord) -> String {
     let mut numbering = Numbering::new();
     let partition = numbering.figure(
         "partition",
@@ -66,7 +67,13 @@ pub fn case_study_report(results: &CaseResults, more: Vec<Section>, record: &Run
     let mut sections = vec![Section::new("Partition", partition)];
     sections.extend(short_period::sections(&mut numbering, results));
     sections.extend(long_period::sections(&mut numbering, results));
-    sections.extend(more);
+    if let Some(dispersions) = &plan.dispersions {
+        sections.push(sensitivity::section(
+            &mut numbering,
+            &results.sensitivity,
+            dispersions,
+        ));
+    }
     let shown = |anchor: &str| {
         let id = format!("id=\"{anchor}\"");
         sections.iter().any(|s| s.body.0.contains(&id))
@@ -77,26 +84,17 @@ pub fn case_study_report(results: &CaseResults, more: Vec<Section>, record: &Run
         Section::new("Claims of the paper", claims_section(&claims)),
     );
     sections.push(Section::new("Provenance", provenance(record)));
-    let (plan, flights) = (&results.short.plan, flights(results));
+    let (short, flights) = (&plan.short, plan.long.flights());
     page(
         "First-stage control system: the case study rerun",
         &format!(
             "Section 4 of the paper on the hybrid machine: {} pitch runs and {} yaw–roll runs at {} trajectory points, and {flights} flights to burn-out, all in one session.",
-            plan.pitch.len(),
-            plan.yaw_roll.len(),
-            plan.points.len()
+            short.pitch.len(),
+            short.yaw_roll.len(),
+            short.points.len()
         ),
         &sections,
     )
-}
-
-fn flights(results: &CaseResults) -> usize {
-    1 + results
-        .long
-        .modes
-        .iter()
-        .map(|m| m.flights().count())
-        .sum::<usize>()
 }
 
 fn claims_section(claims: &[Claim]) -> Markup {

@@ -168,7 +168,32 @@ fn l2b(results: &LongPeriodResults) -> Claim {
         } else {
             Verdict::NotJudged
         },
-        remark: None,
+        remark: flown.then(|| pointwise(results)),
+    }
+}
+
+/// At which misalignments one mode alone exceeds the limit.
+fn pointwise(results: &LongPeriodResults) -> String {
+    let mut found: Vec<f64> = Vec::new();
+    if let Some(first) = results.modes.first() {
+        for (i, flown) in first.envelope.iter().enumerate() {
+            let over = results
+                .modes
+                .iter()
+                .filter(|m| m.envelope.get(i).is_none_or(|f| exceeds(results, f)));
+            if over.count() == 1 {
+                found.push(flown.pitch_misalignment);
+            }
+        }
+    }
+    let found: Vec<String> = found.iter().map(|m| format!("{m:+}")).collect();
+    if found.is_empty() {
+        "pointwise at none of them".to_owned()
+    } else {
+        format!(
+            "pointwise beside the design case at {} × 3σ",
+            found.join(", ")
+        )
     }
 }
 

@@ -21,9 +21,10 @@ use crate::{
 use interface::{Tick, control::PatchBundle, profile::Profile};
 
 /// Misalignments of the shipped envelope, fractions of 3σ, flown beside the
-/// design case's own. The load of a mode is nearly linear in the misalignment
-/// and the design case stands between, so that the ends bound it.
-pub const ENVELOPE: [f64; 2] = [-1.0, 1.0];
+/// design case's own: both ends, the middle and half-way. The load of a mode with
+/// its tips at work is nearly linear between them; that of the injection alone is
+/// not, since it settles at one edge of the dead zone or the other.
+pub const ENVELOPE: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
 /// What is flown, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,10 +108,10 @@ pub fn run(
     mut progress: impl FnMut(usize),
 ) -> Result<LongPeriodResults, StudyFault> {
     let stage = Stage::load_patch(console, vehicle, &plan.profile, plan.patch.clone())?;
-    let bench = Bench::new(vehicle, plan, stage)?;
+    let mut bench = Bench::new(vehicle, plan, stage)?;
     let mut done = 0;
     let mut fly = |script: &FlightScript, wind: FlightWind, misalignment: [f64; 2]| {
-        let flown = bench.fly(console, script, wind, misalignment);
+        let flown = bench.fly(console, vehicle, script, wind, misalignment);
         done += 1;
         progress(done);
         flown
@@ -149,9 +150,9 @@ pub fn run(
 }
 
 /// The loaded machine and what all flights share.
-struct Bench<'a> {
+pub struct Bench<'a> {
     plan: &'a LongPeriodPlan,
-    stage: Stage<'a>,
+    stage: Stage,
     stop: Tick,
     latency: Tick,
     design_wind: Wind,
@@ -159,10 +160,14 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn new(
-        vehicle: &'a Vehicle,
+    /// Of a loaded stage.
+    ///
+    /// # Errors
+    /// [`StudyFault`]: the wind or the burn time of the vehicle's data.
+    pub fn new(
+        vehicle: &Vehicle,
         plan: &'a LongPeriodPlan,
-        stage: Stage<'a>,
+        stage: Stage,
     ) -> Result<Bench<'a>, StudyFault> {
         let data = vehicle.data();
         let burn_time_s = data.mass.burn_time_s;
@@ -182,9 +187,15 @@ impl<'a> Bench<'a> {
         })
     }
 
-    fn fly(
-        &self,
+    /// One flight to burn-out and its history. `vehicle` is the one that was
+    /// loaded, or a variant of it with the same wind and burn time.
+    ///
+    /// # Errors
+    /// [`StudyFault`]: the machine; a flight that diverges is lost, not an error.
+    pub fn fly(
+        &mut self,
         console: &mut Console<'_>,
+        vehicle: &Vehicle,
         script: &FlightScript,
         wind: FlightWind,
         [pitch_misalignment, yaw_misalignment]: [f64; 2],
@@ -211,7 +222,7 @@ impl<'a> Bench<'a> {
         };
         let mut history = History::default();
         let slow = self.plan.slow;
-        let flown = self.stage.fly(console, &plan, |frame, result| {
+        let flown = self.stage.fly(console, vehicle, &plan, |frame, result| {
             if slow.due(frame.frame) {
                 history.push(&result.sample);
             }

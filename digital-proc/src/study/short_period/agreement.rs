@@ -17,7 +17,7 @@ use super::response::PitchResponse;
 /// Largest accepted difference from the matrix exponential, as a fraction of the step
 /// in attitude and of its greatest value in bending. The patch integrates to 1e-7 of
 /// each state; a thousandfold of that leaves room for the gain from state to state.
-pub const STEP_WITHIN: f64 = 1e-3;
+pub const STEP_WITHIN: f64 = 1e-4;
 /// Largest accepted relative error of a measured bending frequency: half a sample in a
 /// window of some twenty cycles of twelve samples.
 pub const FREQUENCY_WITHIN: f64 = 5e-3;

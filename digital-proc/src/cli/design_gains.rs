@@ -1,0 +1,236 @@
+//! `digital-proc design-gains`: the gain schedules, designed on the machine.
+
+use super::{
+    Context, Failure, MachineArgs,
+    study_run::{StudyArgs, StudyRun},
+};
+use crate::{
+    console::Console,
+    report::gain_design::{
+        criteria_table, design_table, evaluation_table, gain_design_sections, merging_table,
+    },
+    study::{
+        gain_design::{
+            bench::PitchBench,
+            criteria::Criteria,
+            design::{Design, DesignFault, EFFORT, design},
+            evaluate::{PointQuality, evaluate, worst},
+            merge::{MergeFault, Merging, Trial, merge},
+            schedule::as_toml,
+            search::Effort,
+        },
+        long_period::run::LongPeriodPlan,
+    },
+};
+use interface::profile::Profile;
+use serde::Serialize;
+
+/// Design the gain schedules: interval by interval on the short-period pitch loop,
+/// then with fewer switchings by long-period flights, and back to the short period.
+///
+/// Prints the schedules as sections for a vehicle file; `--vehicle FILE` flies them.
+#[derive(clap::Args)]
+pub struct DesignGains {
+    /// Most evaluations of the cost for one interval of the sequencer
+    #[arg(long, default_value_t = EFFORT.evaluations, value_name = "N")]
+    evaluations: usize,
+    #[command(flatten)]
+    study: StudyArgs,
+    #[command(flatten)]
+    machine: MachineArgs,
+}
+
+/// What the command came to.
+#[derive(Serialize)]
+struct Designed {
+    design: Design,
+    merging: Merging,
+    /// Of every level of the merging, in its order.
+    re_evaluated: Vec<Vec<PointQuality>>,
+    /// Of the vehicle's own schedule with fewer switchings.
+    shipped_reduced: Vec<PointQuality>,
+}
+
+impl DesignGains {
+    pub fn execute(self, context: &Context) -> Result<(), Failure> {
+        if self.evaluations == 0 {
+            return Err(Failure::input("--evaluations must be at least 1"));
+        }
+        let vehicle = self.study.vehicle()?;
+        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let mut run = StudyRun::begin("design-gains", &self.study, &self.machine, &vehicle)?;
+        run.set("evaluations", self.evaluations as i64);
+        let mut machine = self.machine.start(context)?;
+        let mut console = Console::new(machine.port());
+
+        let bench = PitchBench::load(&mut console, &profile)?;
+        run.patch("pitch-loop.toml", console.patch_hash());
+        let effort = Effort {
+            evaluations: self.evaluations,
+            ..EFFORT
+        };
+        let design = design(
+            &mut console,
+            &bench,
+            &vehicle,
+            &Criteria::DESIGN,
+            effort,
+            &mut |i, of, interval| {
+                let [from, to] = interval.judged_s;
+                eprintln!(
+                    "interval {i} of {of}, {from}–{to} s: cost {:.2} -> {:.2} in {} evaluations",
+                    interval.first_cost, interval.cost, interval.evaluations
+                );
+            },
+        )?;
+        let plan = LongPeriodPlan::new(Vec::new(), profile.clone());
+        let merging = merge(
+            &mut console,
+            &vehicle,
+            &plan,
+            &design.schedule,
+            |level, flights| {
+                eprintln!(
+                    "{} switchings: {:.1} kPa deg after {flights} flights",
+                    level.schedule.switch_time_s.len() - 1,
+                    level.max_q_alpha_padeg / 1e3
+                );
+            },
+        )?;
+        let bench = PitchBench::load(&mut console, &profile)?;
+        let re_evaluated = merging
+            .levels
+            .iter()
+            .map(|level| evaluate(&mut console, &bench, &vehicle, &level.schedule))
+            .collect::<Result<Vec<_>, _>>()?;
+        let shipped_reduced = evaluate(
+            &mut console,
+            &bench,
+            &vehicle,
+            &vehicle.data().gains_reduced,
+        )?;
+        console.bye()?;
+        drop(machine);
+        self.tell(
+            &run,
+            &vehicle,
+            &Designed {
+                design,
+                merging,
+                re_evaluated,
+                shipped_reduced,
+            },
+        )
+    }
+
+    fn tell(
+        &self,
+        run: &StudyRun,
+        vehicle: &crate::vehicle::Vehicle,
+        all: &Designed,
+    ) -> Result<(), Failure> {
+        let levels: Vec<(&Trial, &[PointQuality])> = all
+            .merging
+            .levels
+            .iter()
+            .zip(all.re_evaluated.iter().map(Vec::as_slice))
+            .collect();
+        let reduced = levels
+            .last()
+            .map_or(&all.design.schedule, |l| &l.0.schedule);
+        let text = format!(
+            "{}\n{}",
+            as_toml(
+                "gains",
+                "designed here; K_phi, T_phi, decoupled_yaw_* stay as they are",
+                &all.design.schedule
+            ),
+            as_toml(
+                "gains_reduced",
+                "fewest switchings accepted by flights",
+                reduced
+            )
+        );
+        let file = run.file("gains.toml", &text)?;
+        let data = vehicle.data();
+        let shipped = data.gains.schedule();
+        let sections = gain_design_sections(
+            &all.design,
+            &levels,
+            (&shipped, &data.gains_reduced),
+            &all.shipped_reduced,
+            data.mass.burn_time_s,
+        );
+        let report = run.finish(
+            all,
+            "Design of the gain schedules",
+            "Gains improved run by run on the patched pitch loop; then fewer switchings, accepted by flights and re-evaluated.",
+            sections,
+        )?;
+        if self.machine.json {
+            let json = serde_json::to_string_pretty(all).map_err(Failure::input)?;
+            println!("{json}");
+            return Ok(());
+        }
+        println!("Criteria\n{}", criteria_table(&all.design.criteria).text());
+        println!(
+            "Designed by {} runs\n{}",
+            all.design.runs,
+            design_table(&all.design).text()
+        );
+        println!(
+            "{}",
+            as_toml("gains", "designed here", &all.design.schedule)
+        );
+        println!("{}", as_toml("gains", "shipped", &shipped));
+        println!(
+            "Fewer switchings by {} trial flights\n{}",
+            all.merging.flights,
+            merging_table(&levels).text()
+        );
+        println!("{}", as_toml("gains_reduced", "merged here", reduced));
+        println!(
+            "{}",
+            as_toml("gains_reduced", "shipped", &data.gains_reduced)
+        );
+        println!(
+            "The shipped reduced schedule seen by the short-period model\n{}",
+            evaluation_table(&all.shipped_reduced).text()
+        );
+        if let Some(worst) = worst(&all.shipped_reduced).filter(|w| !w.accepted()) {
+            println!(
+                "It overshoots most at {} ({} s): {}.",
+                worst.point,
+                worst.time_s,
+                worst
+                    .quality
+                    .overshoot
+                    .map_or("it diverges".to_owned(), |v| format!("{:.0} %", 100.0 * v))
+            );
+        }
+        println!(
+            "schedules: {}\nreport: {}",
+            file.display(),
+            report.display()
+        );
+        Ok(())
+    }
+}
+
+impl From<DesignFault> for Failure {
+    fn from(fault: DesignFault) -> Failure {
+        match fault {
+            DesignFault::Console(fault) => fault.into(),
+            other => Failure::input(other),
+        }
+    }
+}
+
+impl From<MergeFault> for Failure {
+    fn from(fault: MergeFault) -> Failure {
+        match fault {
+            MergeFault::Study(fault) => fault.into(),
+            other => Failure::input(other),
+        }
+    }
+}

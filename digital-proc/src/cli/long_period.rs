@@ -1,0 +1,142 @@
+//! `digital-proc long-period`: every mode flown, the claims judged.
+
+use super::{
+    Context, Failure, MachineArgs,
+    failure::CHECK_FAILED,
+    study_run::{StudyArgs, StudyRun},
+};
+use crate::{
+    console::Console,
+    progress::Progress,
+    report::{
+        self,
+        long_period::{fuel_table, fuel_words, load_table, long_period_sections, mode_table},
+    },
+    study::{
+        claim::{Claim, Verdict},
+        failure_file::FailureFile,
+        long_period::{
+            claims::judge,
+            results::LongPeriodResults,
+            run::{LongPeriodPlan, run},
+        },
+    },
+};
+use interface::profile::Profile;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Fly every mode of the failure file to burn-out, flight after flight in one
+/// session, and judge the paper's claims about trajectory and loads.
+///
+/// Exit code 1 when a claim does not hold.
+#[derive(clap::Args)]
+pub struct LongPeriod {
+    /// Failure file of your own that scripts the modes [default: the shipped one]
+    #[arg(long, value_name = "FILE")]
+    failures: Option<PathBuf>,
+    #[command(flatten)]
+    study: StudyArgs,
+    #[command(flatten)]
+    machine: MachineArgs,
+}
+
+#[derive(Serialize)]
+struct Outcome<'a> {
+    claims: &'a [Claim],
+    results: &'a LongPeriodResults,
+}
+
+impl LongPeriod {
+    pub fn execute(self, context: &Context) -> Result<(), Failure> {
+        let vehicle = self.study.vehicle()?;
+        let own = self
+            .failures
+            .as_deref()
+            .map(FailureFile::load)
+            .transpose()
+            .map_err(Failure::input)?;
+        let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
+        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let mut record = StudyRun::begin("long-period", &self.study, &self.machine, &vehicle)?;
+        record.set("failures", failures.file.as_str());
+        let plan = LongPeriodPlan::new(failures.modes.clone(), profile);
+        let mut machine = self.machine.start(context)?;
+        let mut console = Console::new(machine.port());
+        let mut progress = Progress::new(plan.flights() as u64, "flights");
+        let results = run(&mut console, &vehicle, &plan, |done| {
+            progress.at(done as u64);
+        });
+        progress.done();
+        let results = results?;
+        record.patch("long-period.toml", console.patch_hash());
+        console.bye()?;
+        drop(machine);
+
+        let claims = judge(&results);
+        let shown: Vec<report::Claim> = claims.iter().map(for_report).collect();
+        let outcome = Outcome {
+            claims: &claims,
+            results: &results,
+        };
+        let page = record.finish(
+            &outcome,
+            "Long-period study",
+            "Modes of operation flown to burn-out: control dynamics on the analog processor, trajectory on the digital one.",
+            long_period_sections(
+                &results,
+                report::claims_table(&shown),
+                vehicle.data().mass.burn_time_s,
+            ),
+        )?;
+        if self.machine.json {
+            println!(
+                "{}",
+                serde_json::to_string_pretty(&outcome).map_err(Failure::input)?
+            );
+        } else {
+            println!("Design case\n{}", mode_table(&results).text());
+            println!("Largest Q alpha\n{}", load_table(&results).text());
+            println!("Side-force fluid\n{}", fuel_table(&results).text());
+            println!("{}.\n", fuel_words(&results));
+            println!("{}", report::claims_text(&shown));
+            println!("report: {}", page.display());
+        }
+        let failed: Vec<&str> = claims
+            .iter()
+            .filter(|c| c.verdict == Verdict::Fails)
+            .map(|c| c.id)
+            .collect();
+        if failed.is_empty() {
+            Ok(())
+        } else {
+            Err(Failure {
+                code: CHECK_FAILED,
+                text: format!("does not hold: {}", failed.join(", ")),
+            })
+        }
+    }
+}
+
+/// A claim in the form of the report's table; one that was not judged stands
+/// there as holding in part, with the reason.
+fn for_report(claim: &Claim) -> report::Claim {
+    let mut note = claim.remark.clone().unwrap_or_default();
+    let verdict = match claim.verdict {
+        Verdict::Holds => report::Verdict::Holds,
+        Verdict::Fails => report::Verdict::Fails,
+        Verdict::NotJudged => {
+            note = "not judged: the flights that would decide it were not asked for".to_owned();
+            report::Verdict::InPart
+        }
+    };
+    report::Claim {
+        id: claim.id.to_owned(),
+        sentence: claim.sentence.to_owned(),
+        criterion: claim.criterion.clone(),
+        measured: claim.measured.clone(),
+        verdict,
+        note,
+        evidence: Some("#modes".to_owned()),
+    }
+}

@@ -1,0 +1,79 @@
+//! A schedule seen by the short-period model at the study's trajectory points.
+
+use super::{
+    bench::PitchBench,
+    criteria::LoopQuality,
+    design::{DesignFault, measure},
+    schedule,
+};
+use crate::{
+    console::Console,
+    gain_schedule::LoopGains,
+    slice,
+    study::short_period::point::FrozenPoint,
+    vehicle::{ScheduleData, Vehicle},
+};
+use serde::Serialize;
+
+/// Overshoot accepted of a schedule, fraction of the step (criterion P1).
+pub const OVERSHOOT: f64 = 0.25;
+/// Residual oscillation accepted, fraction of the step (criterion P1).
+pub const RESIDUAL: f64 = 0.05;
+
+/// A schedule at one point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PointQuality {
+    /// The point's name.
+    pub point: String,
+    /// Its flight time, s.
+    pub time_s: f64,
+    /// What was measured there.
+    pub quality: LoopQuality,
+}
+
+impl PointQuality {
+    /// Whether overshoot and residual are accepted here.
+    #[must_use]
+    pub fn accepted(&self) -> bool {
+        self.quality.overshoot.is_some_and(|v| v <= OVERSHOOT)
+            && self.quality.residual.is_some_and(|v| v <= RESIDUAL)
+    }
+}
+
+/// Gains of a schedule at a flight time.
+#[must_use]
+pub fn gains_at(data: &ScheduleData, time_s: f64) -> LoopGains {
+    let begun = data.switch_time_s.partition_point(|&t| t <= time_s);
+    schedule::gains(data, begun.max(1) - 1)
+}
+
+/// Runs the pitch test with a schedule's gains at every point of the study.
+///
+/// # Errors
+/// [`DesignFault`]: the machine or the nominal flight.
+pub fn evaluate(
+    console: &mut Console<'_>,
+    bench: &PitchBench,
+    vehicle: &Vehicle,
+    data: &ScheduleData,
+) -> Result<Vec<PointQuality>, DesignFault> {
+    slice::standard_points(vehicle)?
+        .iter()
+        .map(|slice| {
+            let gains = gains_at(data, slice.time_s);
+            let frozen = FrozenPoint::new(vehicle, slice, &gains);
+            Ok(PointQuality {
+                point: slice.name.clone(),
+                time_s: slice.time_s,
+                quality: measure(console, bench, &frozen)?,
+            })
+        })
+        .collect()
+}
+
+/// The point of the greatest overshoot; a missing one counts as the greatest.
+#[must_use]
+pub fn worst(points: &[PointQuality]) -> Option<&PointQuality> {
+    let of = |p: &PointQuality| p.quality.overshoot.unwrap_or(f64::INFINITY);
+    points.iter().max_by(|a, b| of(a).total_cmp(&of(b)))
+}

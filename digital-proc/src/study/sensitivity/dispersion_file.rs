@@ -1,0 +1,280 @@
+//! The dispersion file: what is dispersed, by how much, and at which points.
+
+use crate::{
+    slice::POINTS,
+    study::{
+        fault::{FileFault, Source, suggestion},
+        short_period::{
+            point::FrozenPoint,
+            quantity::{QUANTITIES, Quantity},
+        },
+    },
+    vehicle::Vehicle,
+};
+use serde::Deserialize;
+use std::path::Path;
+use toml::Spanned;
+
+/// Text of the shipped file.
+pub const SHIPPED_TEXT: &str = include_str!("../../../data/dispersions.toml");
+/// Name under which its faults would be reported.
+pub const SHIPPED_NAME: &str = "digital-proc/data/dispersions.toml";
+
+/// Most dispersions: the corners double with each.
+pub const MOST: usize = 14;
+
+/// A dispersion file that was refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DispersionError {
+    /// The file could not be read.
+    #[error("{file}: cannot be read: {reason}; check the path and its permissions")]
+    Unreadable {
+        /// File as named by the caller.
+        file: String,
+        /// The operating system's reason.
+        reason: String,
+    },
+    /// One or more faults in the text.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Faults(Vec<FileFault>),
+}
+
+/// A checked dispersion file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dispersions {
+    /// Trajectory points by name.
+    pub points: Vec<&'static str>,
+    /// What is dispersed.
+    pub all: Vec<Dispersion>,
+}
+
+/// One dispersion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dispersion {
+    /// What it is, for people.
+    pub title: String,
+    /// What it does.
+    pub what: Dispersed,
+}
+
+/// What a dispersion does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Dispersed {
+    /// Multiplies a quantity of the frozen point.
+    Factors(&'static Quantity, [f64; 2]),
+    /// Moves the rate gyros, m from the nozzle exit.
+    GyroStations([f64; 2]),
+}
+
+/// Lower or upper setting of a dispersion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The lower.
+    Low,
+    /// The upper.
+    High,
+}
+
+impl Dispersion {
+    /// Applies one setting to a point.
+    pub fn apply(&self, vehicle: &Vehicle, point: &mut FrozenPoint, side: Side) {
+        let of = |[low, high]: [f64; 2]| match side {
+            Side::Low => low,
+            Side::High => high,
+        };
+        match self.what {
+            Dispersed::Factors(quantity, factors) => {
+                let value = quantity.get(point) * of(factors);
+                quantity.set(point, value);
+            }
+            Dispersed::GyroStations(stations) => {
+                point.gyro_slope_pm = vehicle.gyro_slope_at_station(of(stations)).value;
+            }
+        }
+    }
+
+    /// Title and settings, for a table.
+    #[must_use]
+    pub fn label(&self) -> String {
+        match self.what {
+            Dispersed::Factors(_, [low, high]) => {
+                format!("{} × {low}–{high}", self.title)
+            }
+            Dispersed::GyroStations([low, high]) => format!("{} {low}–{high} m", self.title),
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+struct RawFile {
+    points: Vec<Spanned<String>>,
+    #[serde(default)]
+    dispersion: Vec<Spanned<RawDispersion>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+struct RawDispersion {
+    title: String,
+    quantity: Option<Spanned<String>>,
+    low: Option<f64>,
+    high: Option<f64>,
+    stations_m: Option<Spanned<[f64; 2]>>,
+}
+
+impl Dispersions {
+    /// The shipped file.
+    ///
+    /// # Errors
+    /// None as shipped; a unit test reads it.
+    pub fn shipped() -> Result<Dispersions, DispersionError> {
+        Dispersions::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
+    }
+
+    /// Reads a user's file.
+    ///
+    /// # Errors
+    /// [`DispersionError`] with every fault found.
+    pub fn load(path: &Path) -> Result<Dispersions, DispersionError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| DispersionError::Unreadable {
+            file: file.clone(),
+            reason: error.to_string(),
+        })?;
+        Dispersions::from_toml(&file, &text)
+    }
+
+    /// Reads a text; `file` is only named in faults.
+    ///
+    /// # Errors
+    /// [`DispersionError::Faults`] with every fault found.
+    pub fn from_toml(file: &str, text: &str) -> Result<Dispersions, DispersionError> {
+        let source = Source { file, text };
+        let raw: RawFile = toml::from_str(text)
+            .map_err(|error| DispersionError::Faults(vec![source.reader_fault(&error)]))?;
+        let mut faults = Vec::new();
+        let mut points = Vec::new();
+        for name in &raw.points {
+            match POINTS.iter().find(|(known, _)| known == name.get_ref()) {
+                Some((known, _)) => points.push(*known),
+                None => faults.push(source.fault(
+                    name.span(),
+                    format!("no trajectory point `{}`", name.get_ref()),
+                    suggestion(name.get_ref(), POINTS.iter().map(|p| p.0)),
+                )),
+            }
+        }
+        let mut all = Vec::new();
+        for raw in &raw.dispersion {
+            match dispersed(raw, &source) {
+                Ok(what) => all.push(Dispersion {
+                    title: raw.get_ref().title.clone(),
+                    what,
+                }),
+                Err(fault) => faults.push(fault),
+            }
+        }
+        let count = raw.dispersion.len();
+        if count == 0 || count > MOST || raw.points.is_empty() {
+            faults.push(source.fault(
+                0..0,
+                format!("{count} dispersions at {} points", raw.points.len()),
+                format!("give at least one point and 1 to {MOST} [[dispersion]]"),
+            ));
+        }
+        if faults.is_empty() {
+            Ok(Dispersions { points, all })
+        } else {
+            Err(DispersionError::Faults(faults))
+        }
+    }
+}
+
+fn dispersed(raw: &Spanned<RawDispersion>, source: &Source<'_>) -> Result<Dispersed, FileFault> {
+    let entry = raw.get_ref();
+    match (&entry.quantity, entry.low, entry.high, &entry.stations_m) {
+        (Some(name), Some(low), Some(high), None) => {
+            let quantity = Quantity::find(name.get_ref()).ok_or_else(|| {
+                source.fault(
+                    name.span(),
+                    format!("no quantity `{}`", name.get_ref()),
+                    suggestion(name.get_ref(), QUANTITIES.iter().map(|q| q.name)),
+                )
+            })?;
+            // A factor of 0 or below would take a time constant or a mass with it.
+            if low > 0.0 && high > low && high.is_finite() {
+                Ok(Dispersed::Factors(quantity, [low, high]))
+            } else {
+                Err(source.fault(
+                    raw.span(),
+                    format!("factors {low} and {high}"),
+                    "give 0 < low < high".to_owned(),
+                ))
+            }
+        }
+        (None, None, None, Some(stations)) => {
+            let [low, high] = *stations.get_ref();
+            if low < high && low.is_finite() && high.is_finite() {
+                Ok(Dispersed::GyroStations([low, high]))
+            } else {
+                Err(source.fault(
+                    stations.span(),
+                    format!("stations {low} and {high} m"),
+                    "give two stations, the lower first".to_owned(),
+                ))
+            }
+        }
+        _ => Err(source.fault(
+            raw.span(),
+            format!("`{}` is not fully stated", entry.title),
+            "give quantity, low and high, or stations-m alone".to_owned(),
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::short_period::point::tests::numbered;
+
+    #[test]
+    fn the_shipped_file_is_sound_and_every_dispersion_changes_the_point() {
+        let vehicle = Vehicle::shipped().unwrap();
+        let dispersions = Dispersions::shipped().unwrap();
+        for dispersion in &dispersions.all {
+            let at = |side| {
+                let mut point = numbered();
+                dispersion.apply(&vehicle, &mut point, side);
+                point
+            };
+            assert_ne!(at(Side::Low), numbered(), "{dispersion:?}");
+            assert_ne!(at(Side::Low), at(Side::High), "{dispersion:?}");
+        }
+    }
+
+    #[test]
+    fn mistakes_are_reported_with_line_and_remedy() {
+        for (text, words) in [
+            (
+                "points = [\"max-p\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-dampin\"\nlow = 0.5\nhigh = 1.5",
+                ["x.toml:1", "max-q", "x.toml:4", "gyro-damping"],
+            ),
+            (
+                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-damping\"\nlow = 1.5\nhigh = 0.5",
+                ["x.toml:2", "0 < low < high", "1.5", "0.5"],
+            ),
+            (
+                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nlow = 1.5",
+                ["x.toml:2", "stations-m", "quantity", "`a`"],
+            ),
+        ] {
+            let error = Dispersions::from_toml("x.toml", text)
+                .unwrap_err()
+                .to_string();
+            for word in words {
+                assert!(error.contains(word), "{word}: {error}");
+            }
+        }
+    }
+}

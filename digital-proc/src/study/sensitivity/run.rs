@@ -1,0 +1,300 @@
+//! Runs the dispersions on the machine and ranks them.
+
+use super::dispersion_file::{Dispersion, Dispersions, Side};
+use crate::{
+    console::Console,
+    slice,
+    study::{
+        gain_design::{
+            bench::PitchBench,
+            criteria::{LoopQuality, least_bending_damping},
+            design::{DesignFault, measure},
+        },
+        short_period::{
+            coefficients::{Disturbance, Plane},
+            linear::{ChannelGains, plane_roots},
+            point::FrozenPoint,
+        },
+    },
+    vehicle::Vehicle,
+};
+use serde::Serialize;
+
+/// Corners of each point that are also run on the machine.
+pub const CORNERS_RUN: usize = 2;
+
+/// A loop measured on the machine, with its linear roots beside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// Measured.
+    pub measured: LoopQuality,
+    /// Damping ratio of the attitude oscillation, both channels linear.
+    pub attitude_damping: Option<f64>,
+    /// Least damping ratio of the bending mode over the channels' states.
+    pub bending_damping: f64,
+}
+
+/// A result that dispersions are ranked by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// Overshoot of the undisturbed step, % of it.
+    Overshoot,
+    /// Residual oscillation under misalignment and gust, % of the step.
+    Residual,
+    /// Bending envelope left at 5–6.5 s, % of that after the step.
+    BendingLeft,
+    /// Damping ratio of the attitude oscillation (linearised).
+    AttitudeDamping,
+    /// Least damping ratio of the bending mode (linearised).
+    BendingDamping,
+}
+
+impl Measure {
+    /// All, in the order of the tables.
+    pub const ALL: [Measure; 5] = [
+        Measure::Overshoot,
+        Measure::Residual,
+        Measure::BendingLeft,
+        Measure::AttitudeDamping,
+        Measure::BendingDamping,
+    ];
+
+    /// Name and unit.
+    #[must_use]
+    pub fn label(self) -> (&'static str, &'static str) {
+        match self {
+            Measure::Overshoot => ("Overshoot", "%"),
+            Measure::Residual => ("Residual oscillation", "%"),
+            Measure::BendingLeft => ("Bending envelope left", "%"),
+            Measure::AttitudeDamping => ("Attitude damping ratio", ""),
+            Measure::BendingDamping => ("Bending damping ratio", ""),
+        }
+    }
+
+    /// Its value; no number where a run diverged.
+    #[must_use]
+    pub fn of(self, answer: &Answer) -> f64 {
+        let percent = |v: Option<f64>| v.map_or(f64::NAN, |v| 100.0 * v);
+        match self {
+            Measure::Overshoot => percent(answer.measured.overshoot),
+            Measure::Residual => percent(answer.measured.residual),
+            Measure::BendingLeft => percent(answer.measured.bending_decay),
+            Measure::AttitudeDamping => answer.attitude_damping.unwrap_or(f64::NAN),
+            Measure::BendingDamping => answer.bending_damping,
+        }
+    }
+}
+
+/// One dispersion at one point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Effect {
+    /// Title and settings.
+    pub dispersion: String,
+    /// At the lower setting.
+    pub low: Answer,
+    /// At the upper setting.
+    pub high: Answer,
+}
+
+impl Effect {
+    /// Greatest minus least of a measure over low, nominal and high; infinite
+    /// where a run diverged.
+    #[must_use]
+    pub fn span(&self, measure: Measure, nominal: &Answer) -> f64 {
+        let values = [&self.low, nominal, &self.high].map(|a| measure.of(a));
+        if values.iter().any(|v| v.is_nan()) {
+            return f64::INFINITY;
+        }
+        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        greatest - least
+    }
+}
+
+/// A corner that was run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Corner {
+    /// The setting of each dispersion in order: true is the upper.
+    pub high: Vec<bool>,
+    /// Why it was chosen.
+    pub worst_in: &'static str,
+    /// What it came to.
+    pub answer: Answer,
+}
+
+/// All dispersions at one trajectory point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PointSensitivity {
+    /// The point.
+    pub point: String,
+    /// Its flight time, s.
+    pub time_s: f64,
+    /// Without dispersion.
+    pub nominal: Answer,
+    /// One at a time, in the file's order.
+    pub effects: Vec<Effect>,
+    /// Corners looked at by eigenvalues.
+    pub corners: usize,
+    /// Corners with an attitude or bending root that grows.
+    pub unstable_corners: usize,
+    /// The worst corners, on the machine.
+    pub worst_corners: Vec<Corner>,
+}
+
+impl PointSensitivity {
+    /// Effects by falling span of a measure.
+    #[must_use]
+    pub fn ranked(&self, measure: Measure) -> Vec<&Effect> {
+        let mut all: Vec<&Effect> = self.effects.iter().collect();
+        all.sort_by(|a, b| {
+            b.span(measure, &self.nominal)
+                .total_cmp(&a.span(measure, &self.nominal))
+        });
+        all
+    }
+}
+
+/// Runs all dispersions at all points; `progress` is told the runs done.
+///
+/// # Errors
+/// [`DesignFault`]: the machine or the nominal flight.
+pub fn run(
+    console: &mut Console<'_>,
+    bench: &PitchBench,
+    vehicle: &Vehicle,
+    dispersions: &Dispersions,
+    mut progress: impl FnMut(usize),
+) -> Result<Vec<PointSensitivity>, DesignFault> {
+    let wanted: Vec<(&str, f64)> = slice::POINTS
+        .iter()
+        .copied()
+        .filter(|(name, _)| dispersions.points.contains(name))
+        .collect();
+    let mut done = 0;
+    let mut out = Vec::with_capacity(wanted.len());
+    for slice in slice::points(vehicle, &wanted)? {
+        let nominal = FrozenPoint::new(vehicle, &slice, &slice.settings.gains);
+        let mut answer = |point: &FrozenPoint| -> Result<Answer, DesignFault> {
+            let measured = measure(console, bench, point)?;
+            done += 1;
+            progress(done);
+            Ok(with_roots(measured, point))
+        };
+        let mut effects = Vec::with_capacity(dispersions.all.len());
+        for dispersion in &dispersions.all {
+            let mut at = |side| {
+                let mut point = nominal;
+                dispersion.apply(vehicle, &mut point, side);
+                answer(&point)
+            };
+            effects.push(Effect {
+                dispersion: dispersion.label(),
+                low: at(Side::Low)?,
+                high: at(Side::High)?,
+            });
+        }
+        let corners = Corners::new(vehicle, &nominal, &dispersions.all);
+        let mut worst_corners = Vec::new();
+        for (worst_in, bits) in corners.worst() {
+            let point = corner(vehicle, &nominal, &dispersions.all, bits);
+            worst_corners.push(Corner {
+                high: (0..dispersions.all.len())
+                    .map(|i| bits >> i & 1 == 1)
+                    .collect(),
+                worst_in,
+                answer: answer(&point)?,
+            });
+        }
+        out.push(PointSensitivity {
+            point: slice.name.clone(),
+            time_s: slice.time_s,
+            nominal: answer(&nominal)?,
+            effects,
+            corners: corners.count,
+            unstable_corners: corners.unstable,
+            worst_corners,
+        });
+    }
+    Ok(out)
+}
+
+/// Runs that [`run`] makes, counted in loops measured.
+#[must_use]
+pub fn loops(dispersions: &Dispersions) -> usize {
+    dispersions.points.len() * (1 + 2 * dispersions.all.len() + CORNERS_RUN)
+}
+
+fn with_roots(measured: LoopQuality, point: &FrozenPoint) -> Answer {
+    let (attitude, bending) = dampings(point);
+    Answer {
+        measured,
+        attitude_damping: attitude,
+        bending_damping: bending,
+    }
+}
+
+fn dampings(point: &FrozenPoint) -> (Option<f64>, f64) {
+    let plane = Plane::new(point, &Disturbance::NONE);
+    let attitude = plane_roots(&plane, ChannelGains::BOTH).attitude;
+    (attitude.map(|r| r.damping()), least_bending_damping(&plane))
+}
+
+/// The point with dispersion i at its upper setting where bit i of `bits` is 1.
+fn corner(
+    vehicle: &Vehicle,
+    nominal: &FrozenPoint,
+    all: &[Dispersion],
+    bits: usize,
+) -> FrozenPoint {
+    let mut point = *nominal;
+    for (i, dispersion) in all.iter().enumerate() {
+        let side = if bits >> i & 1 == 1 {
+            Side::High
+        } else {
+            Side::Low
+        };
+        dispersion.apply(vehicle, &mut point, side);
+    }
+    point
+}
+
+/// All corners by the eigenvalues of the linearised loop.
+struct Corners {
+    count: usize,
+    unstable: usize,
+    least_attitude: (f64, usize),
+    least_bending: (f64, usize),
+}
+
+impl Corners {
+    fn new(vehicle: &Vehicle, nominal: &FrozenPoint, all: &[Dispersion]) -> Corners {
+        let mut corners = Corners {
+            count: 1 << all.len(),
+            unstable: 0,
+            least_attitude: (f64::INFINITY, 0),
+            least_bending: (f64::INFINITY, 0),
+        };
+        for bits in 0..corners.count {
+            let (attitude, bending) = dampings(&corner(vehicle, nominal, all, bits));
+            let attitude = attitude.unwrap_or(f64::INFINITY);
+            if attitude < 0.0 || bending < 0.0 {
+                corners.unstable += 1;
+            }
+            if attitude < corners.least_attitude.0 {
+                corners.least_attitude = (attitude, bits);
+            }
+            if bending < corners.least_bending.0 {
+                corners.least_bending = (bending, bits);
+            }
+        }
+        corners
+    }
+
+    fn worst(&self) -> [(&'static str, usize); CORNERS_RUN] {
+        [
+            ("attitude damping", self.least_attitude.1),
+            ("bending damping", self.least_bending.1),
+        ]
+    }
+}
