@@ -4,14 +4,14 @@ use super::{Context, Failure, JoinArgs, failure::CHECK_FAILED, fly::BATCH_ROWS};
 use crate::{
     console::{Console, ConsoleFault},
     flight::{
-        FlightFault, Stage, Timing,
+        FlightFault, Stage, Timing, TransferLog,
         plan_record::{Pace, PlanRecord},
         trace,
     },
     progress::Progress,
     run_dir::{
-        DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, TRACE_FILE, TRANSFERS_FILE, Trace,
-        TraceWriter, first_difference, resolve,
+        DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
+        TRANSFERS_FILE, Trace, TraceWriter, first_difference, resolve,
     },
     study::fault::Source,
 };
@@ -127,10 +127,14 @@ impl Replay {
         drop(machine);
 
         let replayed = Trace::from_bytes(&bytes, &trace_path).map_err(Failure::input)?;
-        let rows = comparable_rows(
-            &recorded,
-            transfers.as_ref().map(|(log, done)| (log, *done)),
-        );
+        // A run that failed or was killed has no summary; the transfers of its last
+        // instants may not have been told.
+        let ended = directory.file(SUMMARY_FILE).is_file() && recorded.is_complete();
+        let rows = if ended {
+            usize::MAX
+        } else {
+            rows_of_a_run_cut_off(&recorded, transfers.as_ref())
+        };
         self.tell(&directory, [&recorded, &replayed], rows, lost)
     }
 
@@ -178,18 +182,14 @@ impl Replay {
     }
 }
 
-/// Rows that a run and its replay must share: all of a run that ended; of one that was
-/// cut off those written, up to its last known transfer.
-fn comparable_rows(
-    recorded: &Trace,
-    transfers: Option<(&crate::flight::TransferLog, bool)>,
-) -> usize {
+/// Rows that a run that was cut off must share with its replay: those written, up to the
+/// last known transfer when more may have taken effect.
+fn rows_of_a_run_cut_off(recorded: &Trace, transfers: Option<&(TransferLog, bool)>) -> usize {
     match transfers {
         Some((log, false)) => {
             let known = log.transfers().last().map_or(i64::MIN, |t| t.tick.0);
             recorded.ticks().partition_point(|tick| *tick <= known)
         }
-        _ if recorded.is_complete() => usize::MAX,
         _ => recorded.rows(),
     }
 }
