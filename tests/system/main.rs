@@ -8,6 +8,7 @@ mod exercises;
 mod faults;
 mod flight;
 mod frame_cycle;
+mod gain_design;
 mod long_period;
 mod partition;
 mod replay;

@@ -63,11 +63,14 @@ impl Run {
             }
             progress.at(time_s);
         });
-        recorder.finish().map_err(write)?;
+        let finished = recorder.finish();
         progress.done();
-        if let Some(fault) = failed {
-            return Err(write(fault));
+        let written = failed.map_or(finished, Err);
+        if written.as_ref().is_err_and(RecordFault::reader_left) {
+            // `| head` and the like: nobody wants the rest.
+            return Ok(());
         }
+        written.map_err(write)?;
         let overloads: Vec<String> = simulation
             .overloads()
             .iter()

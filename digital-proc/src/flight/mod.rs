@@ -208,13 +208,27 @@ impl Stage {
             console.set_params(parameters.clone())?;
             self.parameters = parameters;
         }
-        fly_loaded(
-            console,
-            (vehicle, &self.channels),
-            plan,
-            timing,
-            (told, observe),
-        )
+        let nothing = |_: &Samples, _: &FrameResult, _: &mut Updates| ();
+        let with = (vehicle, &self.channels);
+        fly_loaded(console, with, plan, timing, nothing, (told, observe))
+    }
+
+    /// As [`Stage::fly`], with a further digital task on a patch that has more channels than the
+    /// shipped one: `task` adds to updates n, or changes them, after the flight's own tasks.
+    ///
+    /// # Errors
+    /// As [`Stage::fly`].
+    pub fn fly_with(
+        &mut self,
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        plan: &FlightPlan,
+        task: impl FnMut(&Samples, &FrameResult, &mut Updates),
+        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ) -> Result<FlightSummary, FlightFault> {
+        let with = (vehicle, &self.channels);
+        let told = |_: &Samples| Ok(());
+        fly_loaded(console, with, plan, Timing::LockStep, task, (told, observe))
     }
 }
 
@@ -237,6 +251,7 @@ fn fly_loaded(
     (vehicle, channels): (&Vehicle, &StageChannels),
     plan: &FlightPlan,
     timing: Timing<'_>,
+    mut task: impl FnMut(&Samples, &FrameResult, &mut Updates),
     (mut told, mut observe): (
         impl FnMut(&Samples) -> Result<(), FlightFault>,
         impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
@@ -290,7 +305,10 @@ fn fly_loaded(
             }
             if !is_lost() {
                 match law.frame(samples, updates) {
-                    Ok(result) => return Ok(Some(result)),
+                    Ok(result) => {
+                        task(samples, &result, updates);
+                        return Ok(Some(result));
+                    }
                     Err(fault) => lost.set(Some(fault)),
                 }
             }

@@ -487,7 +487,7 @@ impl Alpha {
         }
     }
 
-    fn setting(&self, omega: f64, scheme: Scheme, slow_s: f64) -> AlphaSetting {
+    fn setting(&self, omega: f64, scheme: Scheme, slow_s: f64) -> Result<AlphaSetting, Failure> {
         let frame_s = match scheme {
             Scheme::Conventional => slow_s,
             Scheme::Redundant { slow_frames, .. } => slow_s / f64::from(slow_frames),
@@ -496,7 +496,9 @@ impl Alpha {
         if self.angle == AngleName::Beta {
             setting.loop_.rotation.direction = -1.0;
         }
-        setting
+        // Enough slow samples for the slowest sweep.
+        setting.stop_s = setting.stop_s.max(60.0 * slow_s);
+        Ok(setting.within_tables()?)
     }
 
     fn schemes(&self) -> Vec<(String, Scheme)> {
@@ -543,7 +545,7 @@ impl Measure for Alpha {
         let last_omega = self.omega.last().copied();
         for (name, scheme) in self.schemes() {
             for omega in &self.omega {
-                let setting = self.setting(*omega, scheme, slow);
+                let setting = self.setting(*omega, scheme, slow)?;
                 let (row, record) = bench.alpha(&setting)?;
                 zeta = zeta.max((row.zeta_measured - row.zeta_exact).abs());
                 omega_error =
@@ -567,8 +569,7 @@ impl Measure for Alpha {
                     row.spectral_radius.into(),
                 ]);
                 if Some(*omega) == last_omega {
-                    let first = record.first().copied().filter(|a| *a != 0.0);
-                    histories.push((name.clone(), setting, record, first));
+                    histories.push((name.clone(), setting, record));
                 }
             }
         }
@@ -598,12 +599,12 @@ impl Measure for Alpha {
 
 /// α over its start against time; a record that grows is drawn up to four times its start.
 fn histories_chart(
-    histories: &[(String, AlphaSetting, Vec<f64>, Option<f64>)],
+    histories: &[(String, AlphaSetting, Vec<f64>)],
     omega: Option<f64>,
 ) -> LineChart {
     let series = histories
         .iter()
-        .map(|(name, setting, record, _)| {
+        .map(|(name, setting, record)| {
             let (x, y): (Vec<f64>, Vec<f64>) = record
                 .iter()
                 .enumerate()
@@ -636,14 +637,15 @@ impl Alpha {
         for (_, scheme) in &schemes {
             let mut measured = (Vec::new(), Vec::new());
             for slow in slows {
-                let (row, _) = bench.alpha(&self.setting(omega, *scheme, slow))?;
+                let (row, _) = bench.alpha(&self.setting(omega, *scheme, slow)?)?;
                 measured.0.push(slow * 1e3);
                 measured.1.push(row.zeta_measured);
             }
             let theory: (Vec<f64>, Vec<f64>) = (2..=CURVE_POINTS)
                 .filter_map(|i| {
                     let slow = 0.2 * f64::from(i) / f64::from(CURVE_POINTS);
-                    let root = self.setting(omega, *scheme, slow).loop_.exact_root().ok()?;
+                    let setting = self.setting(omega, *scheme, slow).ok()?;
+                    let root = setting.loop_.exact_root().ok()?;
                     Some((slow * 1e3, damping_ratio(root)))
                 })
                 .unzip();
@@ -708,7 +710,7 @@ impl Alpha {
                         other => other,
                     },
                 };
-                let setting = self.setting(omega, scheme, slow);
+                let setting = self.setting(omega, scheme, slow)?;
                 let (row, _) = bench.alpha(&setting)?;
                 right &= row.stable_measured == (row.spectral_radius < 1.0);
                 table.row([
@@ -770,7 +772,7 @@ impl Alpha {
         ]);
         for gain in self.gain.iter().filter(|k| **k > 0.0) {
             // A loop of 2 rad/s, which every K of interest leaves stable.
-            let mut setting = self.setting(2.0, self.redundant(*gain), self.slow.secs());
+            let mut setting = self.setting(2.0, self.redundant(*gain), self.slow.secs())?;
             setting.drift_rad_s = drift;
             setting.stop_s = 120.0;
             let (row, _) = bench.alpha(&setting)?;
