@@ -11,5 +11,6 @@ mod frame_cycle;
 mod gain_design;
 mod long_period;
 mod partition;
+mod replay;
 mod sampling;
 mod sessions;
