@@ -296,10 +296,22 @@ impl Channels {
         }
     }
 
-    /// Tracks and holds the `index`-th ADC channel now.
-    pub fn sample(&self, index: usize, simulation: &Simulation, samples: &mut Samples) {
+    /// Aperture of the track-and-hold; zero is off.
+    #[must_use]
+    pub fn aperture(&self) -> Tick {
+        self.profile.aperture()
+    }
+
+    /// What the `index`-th ADC channel sees now.
+    #[must_use]
+    pub fn seen(&self, index: usize, simulation: &Simulation) -> f64 {
+        simulation.net(self.adc[index].net)
+    }
+
+    /// Converts what the `index`-th ADC channel has held.
+    pub fn sample(&self, index: usize, held: f64, samples: &mut Samples) {
         let adc = &self.adc[index];
-        let conversion = adc.converter.convert(simulation.net(adc.net));
+        let conversion = adc.converter.convert(held);
         samples.adc[adc.channel] = conversion.value;
         if conversion.saturated || conversion.non_finite {
             samples.adc_saturated |= 1 << adc.channel;

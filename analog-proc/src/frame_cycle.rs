@@ -11,6 +11,10 @@
 //! integers, so that they alone determine the result: no schedule of the two
 //! processes can change a lock-step run, and a replay repeats a free-running one
 //! bit by bit. In HOLD the frames go on and problem time stands still.
+//!
+//! With an aperture a > 0 the sample held at t is the mean over [t − a, t], by three-point Gauss
+//! quadrature: exact for a signal of fifth degree in the aperture. What precedes the start of the
+//! run, or the end of the scan before, counts as standing still.
 
 use crate::{
     channels::Channels, fault::RunFault, free_run::FreeRun, mode::Mode, simulation::Simulation,
@@ -48,6 +52,8 @@ pub fn run(
         timing: Timing::LockStep { pending: None },
         queue: VecDeque::new(),
         over: None,
+        looks: VecDeque::new(),
+        means: Vec::new(),
     };
     cycle.settle();
     match spec.clock {
@@ -57,12 +63,9 @@ pub fn run(
         Clock::Wall => cycle.timing = Timing::Wall(FreeRun::start(time_scale)),
     }
     let channels_in_scan = cycle.channels.adc_count();
+    cycle.open_aperture(spec, 0);
     for frame in 0_u64.. {
-        // Overflow would take 292 years of problem time: such a frame lies beyond any stop.
-        let at = spec
-            .frame
-            .checked_mul(frame)
-            .map_or(spec.stop, |t| t.min(spec.stop));
+        let at = start_of(spec, frame);
         let last = at == spec.stop;
         let mut samples = Samples::new(frame, at, RunState::Operate);
         for index in 0..channels_in_scan.max(1) {
@@ -75,7 +78,7 @@ pub fn run(
             cycle.transfer_before(instant);
             cycle.advance(instant);
             if index < channels_in_scan {
-                cycle.channels.sample(index, cycle.simulation, &mut samples);
+                cycle.hold(index, &mut samples);
             }
         }
         if last && cycle.over.is_none() {
@@ -94,6 +97,7 @@ pub fn run(
             return cycle.finish(samples, over);
         }
         cycle.publish(samples)?;
+        cycle.open_aperture(spec, frame + 1);
         match &mut cycle.timing {
             Timing::LockStep { pending } => {
                 *pending = Some((frame, at + spec.latency));
@@ -108,6 +112,28 @@ pub fn run(
         }
     }
     unreachable!("frames are counted in u64")
+}
+
+/// `t_n`, or the stop if that comes first. Overflow would take 292 years of problem time: such a
+/// frame lies beyond any stop.
+fn start_of(spec: &RunSpec, frame: u64) -> Tick {
+    spec.frame
+        .checked_mul(frame)
+        .map_or(spec.stop, |t| t.min(spec.stop))
+}
+
+/// Three-point Gauss–Legendre on [0, 1]: distance from the end (½ ± √0.15 and ½) and weight.
+const GAUSS: [(f64, f64); 3] = [
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+];
+
+/// A look at a channel within the aperture of its next sample.
+struct Look {
+    at: Tick,
+    index: usize,
+    weight: f64,
 }
 
 /// Why no further frame follows.
@@ -147,21 +173,80 @@ struct Cycle<'a> {
     /// Updates that have not taken effect yet, in order of time.
     queue: VecDeque<Due>,
     over: Option<Over>,
+    /// Looks still to be taken for the coming samples, in order of time; none without an aperture.
+    looks: VecDeque<Look>,
+    /// Means of the coming samples so far, by place in the scan.
+    means: Vec<f64>,
 }
 
 impl Cycle<'_> {
-    /// Integrates to run time `to`, stopping where an interpolating hold arrives.
+    /// Integrates to run time `to`, stopping where an aperture looks and where an interpolating
+    /// hold arrives; a look comes first.
     fn advance(&mut self, to: Tick) {
-        while let Some(at) = self
-            .channels
-            .next_arrival(self.clock)
-            .filter(|at| *at <= to)
-        {
-            self.integrate(at);
-            self.channels.arrive(at, self.simulation);
-            self.settle();
+        while self.over.is_none() {
+            let look = self.looks.front().map(|l| l.at).filter(|at| *at <= to);
+            let arrival = self
+                .channels
+                .next_arrival(self.clock)
+                .filter(|at| *at <= to);
+            match (look, arrival) {
+                (Some(at), arrival) if arrival.is_none_or(|a| at <= a) => {
+                    self.integrate(at);
+                    if let Some(Look { index, weight, .. }) = self.looks.pop_front() {
+                        self.means[index] += weight * self.channels.seen(index, self.simulation);
+                    }
+                }
+                (_, Some(at)) => {
+                    self.integrate(at);
+                    self.channels.arrive(at, self.simulation);
+                    self.settle();
+                }
+                _ => break,
+            }
         }
         self.integrate(to);
+    }
+
+    /// Plans the looks for the samples of `frame`.
+    fn open_aperture(&mut self, spec: &RunSpec, frame: u64) {
+        let aperture = self.channels.aperture();
+        if aperture <= Tick::ZERO {
+            return;
+        }
+        let at = start_of(spec, frame);
+        let skew = if at == spec.stop {
+            Tick::ZERO
+        } else {
+            spec.skew
+        };
+        let scan = self.channels.adc_count();
+        self.means.clear();
+        self.means.resize(scan, 0.0);
+        let mut looks: Vec<Look> = (0..scan)
+            .flat_map(|index| {
+                let held = at + skew * index as i64;
+                GAUSS.map(|(before, weight)| Look {
+                    at: held - Tick((before * aperture.0 as f64).round() as i64),
+                    index,
+                    weight,
+                })
+            })
+            .collect();
+        for look in &mut looks {
+            look.at = look.at.max(self.clock);
+        }
+        looks.sort_by_key(|l| l.at);
+        self.looks = looks.into();
+    }
+
+    /// Holds the `index`-th channel now and converts it.
+    fn hold(&mut self, index: usize, samples: &mut Samples) {
+        let held = if self.channels.aperture() > Tick::ZERO && self.over.is_none() {
+            self.means[index]
+        } else {
+            self.channels.seen(index, self.simulation)
+        };
+        self.channels.sample(index, held, samples);
     }
 
     /// Lets what was set take effect.

@@ -41,11 +41,13 @@ fn is_broken_pipe(error: &std::io::Error) -> bool {
 
 enum Sink {
     Csv(Box<csv::Writer<Box<dyn Write>>>),
-    Arrow {
-        writer: StreamWriter<BufWriter<File>>,
-        schema: Arc<Schema>,
-        columns: Vec<Vec<f64>>,
-    },
+    Arrow(Box<ArrowFile>),
+}
+
+struct ArrowFile {
+    writer: StreamWriter<BufWriter<File>>,
+    schema: Arc<Schema>,
+    columns: Vec<Vec<f64>>,
 }
 
 /// Writes rows of time and net values.
@@ -78,11 +80,11 @@ impl Recorder {
             let schema = Arc::new(Schema::new(fields));
             let writer = StreamWriter::try_new(BufWriter::new(file), &schema)
                 .map_err(|e| fault(e.to_string()))?;
-            Sink::Arrow {
+            Sink::Arrow(Box::new(ArrowFile {
                 writer,
                 schema,
                 columns,
-            }
+            }))
         } else {
             let out: Box<dyn Write> = if path.as_os_str() == "-" {
                 Box::new(std::io::stdout().lock())
@@ -117,18 +119,14 @@ impl Recorder {
                     }
                     e.to_string()
                 }),
-            Sink::Arrow {
-                writer,
-                schema,
-                columns,
-            } => {
-                for (column, value) in columns.iter_mut().zip(row) {
+            Sink::Arrow(file) => {
+                for (column, value) in file.columns.iter_mut().zip(row) {
                     column.push(value);
                 }
-                if columns[0].len() < BATCH_ROWS {
+                if file.columns[0].len() < BATCH_ROWS {
                     return Ok(());
                 }
-                write_batch(writer, schema, columns).map_err(|e| e.to_string())
+                file.write_batch().map_err(|e| e.to_string())
             }
         };
         done.map_err(|reason| RecordFault {
@@ -149,12 +147,9 @@ impl Recorder {
                 reader_left = is_broken_pipe(&e);
                 e.to_string()
             }),
-            Sink::Arrow {
-                mut writer,
-                schema,
-                mut columns,
-            } => write_batch(&mut writer, &schema, &mut columns)
-                .and_then(|()| writer.finish())
+            Sink::Arrow(mut file) => file
+                .write_batch()
+                .and_then(|()| file.writer.finish())
                 .map_err(|e| e.to_string()),
         };
         done.map_err(|reason| RecordFault {
@@ -165,18 +160,18 @@ impl Recorder {
     }
 }
 
-fn write_batch(
-    writer: &mut StreamWriter<BufWriter<File>>,
-    schema: &Arc<Schema>,
-    columns: &mut [Vec<f64>],
-) -> Result<(), ArrowError> {
-    if columns[0].is_empty() {
-        return Ok(());
+impl ArrowFile {
+    fn write_batch(&mut self) -> Result<(), ArrowError> {
+        if self.columns[0].is_empty() {
+            return Ok(());
+        }
+        let arrays = self
+            .columns
+            .iter_mut()
+            .map(|c| Arc::new(Float64Array::from(std::mem::take(c))) as ArrayRef)
+            .collect();
+        let batch = RecordBatch::try_new(self.schema.clone(), arrays)?;
+        self.writer.write(&batch)?;
+        self.writer.flush()
     }
-    let arrays = columns
-        .iter_mut()
-        .map(|c| Arc::new(Float64Array::from(std::mem::take(c))) as ArrayRef)
-        .collect();
-    writer.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;
-    writer.flush()
 }

@@ -41,7 +41,11 @@ pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchUnreadable> {
     while next < files.len() {
         let (user, text) = &files[next];
         next += 1;
-        for name in used(text).iter().filter_map(|w| join(user, w)).collect::<Vec<_>>() {
+        for name in used(text)
+            .iter()
+            .filter_map(|w| join(user, w))
+            .collect::<Vec<_>>()
+        {
             let known = files.iter().any(|(n, _)| *n == name);
             if !known
                 && files.len() < MOST_FILES

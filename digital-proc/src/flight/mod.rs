@@ -179,10 +179,18 @@ impl Stage {
         plan: &FlightPlan,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
-        self.fly_timed(console, vehicle, plan, Timing::LockStep, observe)
+        self.fly_timed(
+            console,
+            vehicle,
+            plan,
+            Timing::LockStep,
+            |_| Ok(()),
+            observe,
+        )
     }
 
-    /// As [`Stage::fly`], free-running or as it was recorded.
+    /// As [`Stage::fly`], free-running or as it was recorded. `told` hears of every frame
+    /// that came, also of those in which the flight was lost already.
     ///
     /// # Errors
     /// As [`Stage::fly`].
@@ -192,6 +200,7 @@ impl Stage {
         vehicle: &Vehicle,
         plan: &FlightPlan,
         timing: Timing<'_>,
+        told: impl FnMut(&Samples) -> Result<(), FlightFault>,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
         let parameters = parameters(vehicle);
@@ -199,7 +208,27 @@ impl Stage {
             console.set_params(parameters.clone())?;
             self.parameters = parameters;
         }
-        fly_loaded(console, (vehicle, &self.channels), plan, timing, observe)
+        let nothing = |_: &Samples, _: &FrameResult, _: &mut Updates| ();
+        let with = (vehicle, &self.channels);
+        fly_loaded(console, with, plan, timing, nothing, (told, observe))
+    }
+
+    /// As [`Stage::fly`], with a further digital task on a patch that has more channels than the
+    /// shipped one: `task` adds to updates n, or changes them, after the flight's own tasks.
+    ///
+    /// # Errors
+    /// As [`Stage::fly`].
+    pub fn fly_with(
+        &mut self,
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        plan: &FlightPlan,
+        task: impl FnMut(&Samples, &FrameResult, &mut Updates),
+        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ) -> Result<FlightSummary, FlightFault> {
+        let with = (vehicle, &self.channels);
+        let told = |_: &Samples| Ok(());
+        fly_loaded(console, with, plan, Timing::LockStep, task, (told, observe))
     }
 }
 
@@ -222,7 +251,11 @@ fn fly_loaded(
     (vehicle, channels): (&Vehicle, &StageChannels),
     plan: &FlightPlan,
     timing: Timing<'_>,
-    mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    mut task: impl FnMut(&Samples, &FrameResult, &mut Updates),
+    (mut told, mut observe): (
+        impl FnMut(&Samples) -> Result<(), FlightFault>,
+        impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ),
 ) -> Result<FlightSummary, FlightFault> {
     let frame = plan
         .slow
@@ -272,7 +305,10 @@ fn fly_loaded(
             }
             if !is_lost() {
                 match law.frame(samples, updates) {
-                    Ok(result) => return Ok(Some(result)),
+                    Ok(result) => {
+                        task(samples, &result, updates);
+                        return Ok(Some(result));
+                    }
                     Err(fault) => lost.set(Some(fault)),
                 }
             }
@@ -281,9 +317,18 @@ fn fly_loaded(
             Ok(None)
         },
         |samples, result| {
-            if let Some(result) = result {
-                monitor.observe(&result.sample, result.edges);
-                observe(samples, &result).unwrap_or_else(|fault| lost.set(Some(fault)));
+            let keep = || {
+                told(samples)?;
+                if let Some(result) = result {
+                    monitor.observe(&result.sample, result.edges);
+                    observe(samples, &result)?;
+                }
+                Ok(())
+            };
+            if let Err(fault) = keep()
+                && !is_lost()
+            {
+                lost.set(Some(fault));
             }
             Ok(())
         },

@@ -226,6 +226,17 @@ impl AlphaSetting {
         }
     }
 
+    /// The same from so small an angle that an unstable loop stays within the tables for 60 slow
+    /// samples, enough to identify it. The loop is linear there: its roots do not depend on the start.
+    ///
+    /// # Errors
+    /// When the monodromy matrix has no eigenvalues to be found.
+    pub fn within_tables(mut self) -> Result<AlphaSetting, LabError> {
+        let growth = self.loop_.spectral_radius()?.max(1.0);
+        self.initial_rad = self.initial_rad.min(1e-2 * growth.powi(-60));
+        Ok(self)
+    }
+
     fn slow_frames(&self) -> u32 {
         match self.loop_.scheme {
             Scheme::Conventional => 1,

@@ -149,6 +149,12 @@ impl<'c, 'p> Bench<'c, 'p> {
         self.console
     }
 
+    /// The profile under every plan.
+    #[must_use]
+    pub fn base(&self) -> &Profile {
+        &self.base
+    }
+
     /// The profile for a plan.
     #[must_use]
     pub fn profile(&self, hold: Hold) -> Profile {

@@ -10,8 +10,10 @@ pub mod axes;
 pub mod bench;
 pub mod converter_error;
 pub mod feedback;
+pub mod flight;
 pub mod function_generation;
 pub mod identify;
+pub mod loop_back;
 pub mod loop_law;
 #[cfg(test)]
 mod plain_machine;

@@ -25,7 +25,12 @@ const VARIANCE_LIMIT: f64 = 0.03;
 #[derive(clap::Args)]
 pub struct Noise {
     /// Bits of the DAC, sign included
-    #[arg(long, value_delimiter = ',', default_value = "8,10,12,14", value_name = "BITS")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "8,10,12,14",
+        value_name = "BITS"
+    )]
     bits: Vec<u32>,
     /// Frames; the sampling error of a variance falls with their root
     #[arg(long, default_value_t = 100_001, value_name = "N")]
@@ -83,7 +88,10 @@ impl Measure for Noise {
         if self.frames >= 100_000 {
             outcome.check(
                 worst < VARIANCE_LIMIT,
-                format!("every variance is that of theory within 3 %: worst {:.2} %", 100.0 * worst),
+                format!(
+                    "every variance is that of theory within 3 %: worst {:.2} %",
+                    100.0 * worst
+                ),
             );
         }
         outcome.table("noise", "Variances in squares of the problem unit.", table);
@@ -151,8 +159,7 @@ impl Measure for Skew {
         let mut drawn: [Vec<f64>; 5] = Default::default();
         let mut agree = true;
         for delta in &self.delta {
-            let setting =
-                SkewSetting::revolution(self.frames, self.frame.secs(), delta.secs());
+            let setting = SkewSetting::revolution(self.frames, self.frame.secs(), delta.secs());
             let row = bench.skew(&setting)?;
             table.row([
                 (1e6 * row.skew_s).into(),
@@ -276,9 +283,15 @@ impl Measure for Coefficients {
         }
         outcome.check(
             worst < 1e-6,
-            format!("mean and rms error are those of theory within 1e-6: worst {worst:.1e}, relative"),
+            format!(
+                "mean and rms error are those of theory within 1e-6: worst {worst:.1e}, relative"
+            ),
         );
-        outcome.table("coefficients", "Error of the coefficient over 20 periods.", table);
+        outcome.table(
+            "coefficients",
+            "Error of the coefficient over 20 periods.",
+            table,
+        );
         let [x, mean_theory, mean, rms_theory, rms] = &drawn;
         outcome.chart(
             "error",

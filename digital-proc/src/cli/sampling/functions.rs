@@ -96,8 +96,7 @@ impl Measure for FunctionGeneration {
                 row.lag_measured_deg.into(),
                 row.lag_theory_deg.into(),
                 row.rms_measured_percent.into(),
-                row.rms_theory_percent
-                    .map_or_else(|| "".into(), Into::into),
+                row.rms_theory_percent.map_or_else(|| "".into(), Into::into),
             ]);
         }
         let of = |way: Way| rows.iter().filter(move |r| r.way == way);
@@ -115,7 +114,11 @@ impl Measure for FunctionGeneration {
             hybrid < HYBRID_LAG_LIMIT_DEG,
             format!("the hybrid lag is under {HYBRID_LAG_LIMIT_DEG}°: worst {hybrid:.5}°"),
         );
-        outcome.table("function-generation", "Lag behind the exact function, and rms error.", table);
+        outcome.table(
+            "function-generation",
+            "Lag behind the exact function, and rms error.",
+            table,
+        );
         let ways = [Way::AllDigital, Way::Hybrid, Way::LocalCell];
         let data: Vec<[Vec<f64>; 5]> = ways
             .iter()

@@ -487,7 +487,7 @@ impl Alpha {
         }
     }
 
-    fn setting(&self, omega: f64, scheme: Scheme, slow_s: f64) -> AlphaSetting {
+    fn setting(&self, omega: f64, scheme: Scheme, slow_s: f64) -> Result<AlphaSetting, Failure> {
         let frame_s = match scheme {
             Scheme::Conventional => slow_s,
             Scheme::Redundant { slow_frames, .. } => slow_s / f64::from(slow_frames),
@@ -496,7 +496,9 @@ impl Alpha {
         if self.angle == AngleName::Beta {
             setting.loop_.rotation.direction = -1.0;
         }
-        setting
+        // Enough slow samples for the slowest sweep.
+        setting.stop_s = setting.stop_s.max(60.0 * slow_s);
+        Ok(setting.within_tables()?)
     }
 
     fn schemes(&self) -> Vec<(String, Scheme)> {
@@ -543,11 +545,11 @@ impl Measure for Alpha {
         let last_omega = self.omega.last().copied();
         for (name, scheme) in self.schemes() {
             for omega in &self.omega {
-                let setting = self.setting(*omega, scheme, slow);
+                let setting = self.setting(*omega, scheme, slow)?;
                 let (row, record) = bench.alpha(&setting)?;
                 zeta = zeta.max((row.zeta_measured - row.zeta_exact).abs());
-                omega_error = omega_error
-                    .max((row.omega_measured_rad_s / row.omega_exact_rad_s - 1.0).abs());
+                omega_error =
+                    omega_error.max((row.omega_measured_rad_s / row.omega_exact_rad_s - 1.0).abs());
                 agree &= row.stable_measured == (row.spectral_radius < 1.0);
                 table.row([
                     name.as_str().into(),
@@ -558,12 +560,16 @@ impl Measure for Alpha {
                     row.zeta_continuous.into(),
                     row.omega_measured_rad_s.into(),
                     row.omega_exact_rad_s.into(),
-                    (if row.stable_measured { "stable" } else { "unstable" }).into(),
+                    (if row.stable_measured {
+                        "stable"
+                    } else {
+                        "unstable"
+                    })
+                    .into(),
                     row.spectral_radius.into(),
                 ]);
                 if Some(*omega) == last_omega {
-                    let first = record.first().copied().filter(|a| *a != 0.0);
-                    histories.push((name.clone(), setting, record, first));
+                    histories.push((name.clone(), setting, record));
                 }
             }
         }
@@ -593,12 +599,12 @@ impl Measure for Alpha {
 
 /// α over its start against time; a record that grows is drawn up to four times its start.
 fn histories_chart(
-    histories: &[(String, AlphaSetting, Vec<f64>, Option<f64>)],
+    histories: &[(String, AlphaSetting, Vec<f64>)],
     omega: Option<f64>,
 ) -> LineChart {
     let series = histories
         .iter()
-        .map(|(name, setting, record, _)| {
+        .map(|(name, setting, record)| {
             let (x, y): (Vec<f64>, Vec<f64>) = record
                 .iter()
                 .enumerate()
@@ -609,7 +615,10 @@ fn histories_chart(
         })
         .collect();
     LineChart::new(
-        format!("Angle after a displacement, ω = {} rad/s", omega.unwrap_or(f64::NAN)),
+        format!(
+            "Angle after a displacement, ω = {} rad/s",
+            omega.unwrap_or(f64::NAN)
+        ),
         Axis::new("time", "s"),
         Axis::new("angle / angle at the start", ""),
         series,
@@ -628,14 +637,15 @@ impl Alpha {
         for (_, scheme) in &schemes {
             let mut measured = (Vec::new(), Vec::new());
             for slow in slows {
-                let (row, _) = bench.alpha(&self.setting(omega, *scheme, slow))?;
+                let (row, _) = bench.alpha(&self.setting(omega, *scheme, slow)?)?;
                 measured.0.push(slow * 1e3);
                 measured.1.push(row.zeta_measured);
             }
             let theory: (Vec<f64>, Vec<f64>) = (2..=CURVE_POINTS)
                 .filter_map(|i| {
                     let slow = 0.2 * f64::from(i) / f64::from(CURVE_POINTS);
-                    let root = self.setting(omega, *scheme, slow).loop_.exact_root().ok()?;
+                    let setting = self.setting(omega, *scheme, slow).ok()?;
+                    let root = setting.loop_.exact_root().ok()?;
                     Some((slow * 1e3, damping_ratio(root)))
                 })
                 .unzip();
@@ -664,7 +674,11 @@ impl Alpha {
         );
 
         let fasts = [1_u32, 2, 5, 10, 20];
-        let gain = if self.gain.contains(&0.2) { 0.2 } else { self.gain.first().copied().unwrap_or(0.2) };
+        let gain = if self.gain.contains(&0.2) {
+            0.2
+        } else {
+            self.gain.first().copied().unwrap_or(0.2)
+        };
         let slow_axis = [0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2];
         let mut table = Table::new(vec![
             Heading::new("scheme", ""),
@@ -683,7 +697,11 @@ impl Alpha {
                 let scheme = match column {
                     0 => Scheme::Conventional,
                     i => match self.redundant(gain) {
-                        Scheme::Redundant { delivery, correction, .. } => Scheme::Redundant {
+                        Scheme::Redundant {
+                            delivery,
+                            correction,
+                            ..
+                        } => Scheme::Redundant {
                             slow_frames: fasts[i - 1],
                             gain,
                             delivery,
@@ -692,14 +710,19 @@ impl Alpha {
                         other => other,
                     },
                 };
-                let setting = self.setting(omega, scheme, slow);
+                let setting = self.setting(omega, scheme, slow)?;
                 let (row, _) = bench.alpha(&setting)?;
                 right &= row.stable_measured == (row.spectral_radius < 1.0);
                 table.row([
                     heads[column].as_str().into(),
                     slow.into(),
                     setting.loop_.frame_s.into(),
-                    (if row.stable_measured { "stable" } else { "unstable" }).into(),
+                    (if row.stable_measured {
+                        "stable"
+                    } else {
+                        "unstable"
+                    })
+                    .into(),
                     row.spectral_radius.into(),
                 ]);
                 cells.push(HeatCell {
@@ -710,7 +733,10 @@ impl Alpha {
             }
             matrix.push(cells);
         }
-        outcome.check(right, "the stable region of the sweep is that of the monodromy matrix");
+        outcome.check(
+            right,
+            "the stable region of the sweep is that of the monodromy matrix",
+        );
         outcome.table(
             "stability",
             format!("Where the loop of {omega} rad/s is stable, K = {gain}."),
@@ -723,7 +749,10 @@ impl Alpha {
                 quantity: "damping ratio ζ".to_owned(),
                 corner: "scheme against slow period".to_owned(),
                 rows: heads,
-                columns: slow_axis.iter().map(|s| format!("{} ms", s * 1e3)).collect(),
+                columns: slow_axis
+                    .iter()
+                    .map(|s| format!("{} ms", s * 1e3))
+                    .collect(),
                 cells: matrix,
                 scale: None,
                 digits: 2,
@@ -743,7 +772,7 @@ impl Alpha {
         ]);
         for gain in self.gain.iter().filter(|k| **k > 0.0) {
             // A loop of 2 rad/s, which every K of interest leaves stable.
-            let mut setting = self.setting(2.0, self.redundant(*gain), self.slow.secs());
+            let mut setting = self.setting(2.0, self.redundant(*gain), self.slow.secs())?;
             setting.drift_rad_s = drift;
             setting.stop_s = 120.0;
             let (row, _) = bench.alpha(&setting)?;
@@ -757,7 +786,10 @@ impl Alpha {
         }
         outcome.table(
             "drift",
-            format!("Error that a drift of {} deg/s of the analog integrator leaves.", self.drift),
+            format!(
+                "Error that a drift of {} deg/s of the analog integrator leaves.",
+                self.drift
+            ),
             table,
         );
         Ok(())

@@ -1,6 +1,8 @@
 //! `digital-proc sampling`: what an interface does to a loop, measured beside theory.
 
+mod budget;
 mod converters;
+mod flight;
 mod functions;
 mod loops;
 mod outcome;
@@ -39,6 +41,8 @@ pub struct Sampling {
 
 #[derive(Subcommand)]
 enum Experiment {
+    /// Gain and phase that each stage of a channel adds at one frequency
+    Budget(Lab<budget::Budget>),
     /// Two integrators closed through the digital side: growth of the amplitude per cycle
     Circle(Lab<loops::Circle>),
     /// A second-order loop closed through the digital side: damping left, and compensations
@@ -55,6 +59,8 @@ enum Experiment {
     Skew(Lab<converters::Skew>),
     /// Staircase error of a digital coefficient
     Coefficients(Lab<converters::Coefficients>),
+    /// The long-period flight with sampled alpha, redundant alpha and all control digital
+    Flight(Lab<flight::Flight>),
     /// Your own loop: a patch and a digital law from a TOML file, over frames, latencies and bits
     Loop(Lab<study::Loop>),
 }
@@ -79,6 +85,7 @@ trait Measure {
 impl Sampling {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         match self.experiment {
+            Experiment::Budget(lab) => lab.execute(context),
             Experiment::Circle(lab) => lab.execute(context),
             Experiment::Root(lab) => lab.execute(context),
             Experiment::Alpha(lab) => lab.execute(context),
@@ -87,6 +94,7 @@ impl Sampling {
             Experiment::Noise(lab) => lab.execute(context),
             Experiment::Skew(lab) => lab.execute(context),
             Experiment::Coefficients(lab) => lab.execute(context),
+            Experiment::Flight(lab) => lab.execute(context),
             Experiment::Loop(lab) => lab.execute(context),
         }
     }

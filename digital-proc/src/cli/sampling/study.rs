@@ -85,7 +85,8 @@ impl Measure for Loop {
             table.row([
                 row.frame_s.into(),
                 row.latency_s.into(),
-                row.bits.map_or_else(|| Cell::from("ideal"), |b| f64::from(b).into()),
+                row.bits
+                    .map_or_else(|| Cell::from("ideal"), |b| f64::from(b).into()),
                 number(row.zeta),
                 number(row.omega_rad_s),
                 number(row.growth_per_cycle),

@@ -1,0 +1,440 @@
+//! What the partition does to the flight: the same stage with α sampled, α redundant, or all
+//! control digital.
+//!
+//! Three machines are made of the shipped stage patch, by exchanging single blocks:
+//! * *redundant α*: the patch as it is; α is continuous, aerodynamic slopes come in fast frames;
+//! * *conventional α*: the digital side computes α from the sampled attitude and its own
+//!   flight-path angle, and a DAC holds it for the rotational equations;
+//! * *digital control*: attitude and gyros are sampled, and errors, bending filter, gains and dead
+//!   zone are computed by the digital side, which sends commands to tips and injection.
+//!
+//! Everything digital runs once a frame T and takes effect one frame late, except that the
+//! redundant machine has five fast frames in T, as the paper's scheme has. Damping is that of the
+//! answer to a small step of the attitude command at 20 s, found as the difference of two flights;
+//! a flight is lost where the attitude is further than [`LOST_RAD`] from its command.
+
+use super::{identify, theory::damping_ratio};
+use crate::{
+    console::Console,
+    executive::Rate,
+    flight::{
+        AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, channels::StageChannels,
+        stage_patch,
+    },
+    reference::FlightCase,
+    vehicle::Vehicle,
+};
+use interface::{
+    Tick,
+    control::{ChannelKind, PatchBundle},
+    frame::{ModeCommand, Samples, Updates},
+    profile::Profile,
+};
+use serde::Serialize;
+
+/// A flight further than this from its command is lost, rad (20 degrees).
+pub const LOST_RAD: f64 = 0.349_065_850_398_865_9;
+/// Step of the attitude command for the damping, rad (0.1 degree): small against the dead zone and
+/// the travel of the tips.
+const STEP_RAD: f64 = 1.745_329_251_994_329_5e-3;
+/// When it is given, s.
+const STEP_AT_S: f64 = 20.0;
+/// How long the answer is looked at, s: gains and plant change little in it.
+const WINDOW_S: f64 = 5.0;
+/// Slowest sampling of the answer that still shows the loop of about 5 rad/s, s.
+const ANSWER_PERIOD_S: f64 = 0.05;
+
+/// Which machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Partition {
+    /// Redundant analog integrator, five fast frames in T.
+    RedundantAlpha,
+    /// α computed digitally and held.
+    ConventionalAlpha,
+    /// All control laws digital.
+    DigitalControl,
+}
+
+impl Partition {
+    /// All, in the order of the tables.
+    pub const ALL: [Partition; 3] = [
+        Partition::RedundantAlpha,
+        Partition::ConventionalAlpha,
+        Partition::DigitalControl,
+    ];
+
+    /// Name in tables and legends.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Partition::RedundantAlpha => "redundant α",
+            Partition::ConventionalAlpha => "conventional α",
+            Partition::DigitalControl => "digital control",
+        }
+    }
+
+    /// The stage patch with this machine's blocks in place of the shipped ones.
+    #[must_use]
+    pub fn patch(self) -> PatchBundle {
+        let mut bundle = stage_patch();
+        let Some((_, text)) = bundle.files.first_mut() else {
+            return bundle;
+        };
+        match self {
+            Partition::RedundantAlpha => {}
+            Partition::ConventionalAlpha => {
+                *text = replace_block(
+                    text,
+                    "alpha_held",
+                    "{ kind = \"dac\", channel = 20, max = 1.0, note = \"angle of attack from the digital side\" }",
+                );
+            }
+            Partition::DigitalControl => {
+                for (name, block) in [
+                    (
+                        "limit_p",
+                        "{ kind = \"limiter\", in = [\"tvc_p\"], limit = \"force_max\" }",
+                    ),
+                    (
+                        "limit_y",
+                        "{ kind = \"limiter\", in = [\"tvc_y\"], limit = \"force_max\" }",
+                    ),
+                ] {
+                    *text = replace_block(text, name, block);
+                }
+                for command in ["u_pitch", "u_2", "u_4"] {
+                    *text = text.replace(
+                        &format!("in = {{ command = \"{command}\" }}"),
+                        &format!("in = {{ command = \"digital_{command}\" }}"),
+                    );
+                }
+                *text = text.replace("[integration]", DIGITAL_BLOCKS);
+            }
+        }
+        bundle
+    }
+}
+
+/// Channels of the digital control: commands out, gyros in.
+const DIGITAL_BLOCKS: &str = r#"
+digital_u_pitch = { kind = "dac", channel = 21, max = 1.0 }
+digital_u_2     = { kind = "dac", channel = 22, max = 1.0 }
+digital_u_4     = { kind = "dac", channel = 23, max = 1.0 }
+tvc_p           = { kind = "dac", channel = 24, max = 1e6 }
+tvc_y           = { kind = "dac", channel = 25, max = 1e6 }
+adc_gyro_q      = { kind = "adc", channel = 14, in = ["gyro_q.y"], max = 2.0 }
+adc_gyro_r      = { kind = "adc", channel = 15, in = ["gyro_r.y"], max = 2.0 }
+adc_gyro_p      = { kind = "adc", channel = 16, in = ["gyro_p.y"], max = 5.0 }
+
+[integration]"#;
+
+/// The text with the definition of one block exchanged.
+fn replace_block(text: &str, name: &str, block: &str) -> String {
+    let lines: Vec<String> = text
+        .lines()
+        .map(|line| match line.split_once('=') {
+            Some((key, _)) if key.trim() == name => format!("{name} = {block}"),
+            _ => line.to_owned(),
+        })
+        .collect();
+    lines.join("\n") + "\n"
+}
+
+/// The further digital task of a machine.
+struct Task {
+    partition: Partition,
+    frame_s: f64,
+    filter_s: f64,
+    filtered: [f64; 2],
+    theta_c: usize,
+    step_rad: f64,
+    channels: Extra,
+    lost: bool,
+}
+
+/// Channels beyond those of the shipped patch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Extra {
+    alpha: usize,
+    tips: [usize; 3],
+    tvc: [usize; 2],
+    gyro: [usize; 3],
+}
+
+impl Extra {
+    fn resolve(console: &Console<'_>, partition: Partition) -> Result<Extra, FlightFault> {
+        let dac = |name| console.channel(ChannelKind::Dac, name);
+        let adc = |name| console.channel(ChannelKind::Adc, name);
+        Ok(match partition {
+            Partition::RedundantAlpha => Extra::default(),
+            Partition::ConventionalAlpha => Extra {
+                alpha: dac("alpha_held")?,
+                ..Extra::default()
+            },
+            Partition::DigitalControl => Extra {
+                alpha: 0,
+                tips: [
+                    dac("digital_u_pitch")?,
+                    dac("digital_u_2")?,
+                    dac("digital_u_4")?,
+                ],
+                tvc: [dac("tvc_p")?, dac("tvc_y")?],
+                gyro: [adc("adc_gyro_q")?, adc("adc_gyro_r")?, adc("adc_gyro_p")?],
+            },
+        })
+    }
+}
+
+impl Task {
+    fn step(&mut self, samples: &Samples, result: &FrameResult, updates: &mut Updates) {
+        let command = result.sample.pitch_command_rad
+            + if result.sample.time_s >= STEP_AT_S {
+                self.step_rad
+            } else {
+                0.0
+            };
+        updates.set_dac(self.theta_c, command);
+        match self.partition {
+            Partition::RedundantAlpha => {}
+            Partition::ConventionalAlpha => {
+                updates.set_dac(self.channels.alpha, result.sample.incidence_rad);
+            }
+            Partition::DigitalControl => self.control(samples, result, command, updates),
+        }
+        let away = (result.sample.pitch_rad - result.sample.pitch_command_rad).abs();
+        if away > LOST_RAD || away.is_nan() {
+            self.lost = true;
+            updates.mode = ModeCommand::End as u32;
+            updates.effective = samples.tick;
+        }
+    }
+
+    /// Errors, bending filter, gains and dead zone, as the analog blocks have them.
+    fn control(
+        &mut self,
+        samples: &Samples,
+        result: &FrameResult,
+        command: f64,
+        updates: &mut Updates,
+    ) {
+        let [theta, psi, phi] = result.attitude.angle_rad;
+        let [q, r, p] = self.channels.gyro.map(|n| samples.adc[n]);
+        let (s, c) = phi.sin_cos();
+        let (error_theta, error_psi) = (command - theta, -psi);
+        let errors = [
+            error_theta * c + error_psi * s,
+            error_psi * c - error_theta * s,
+        ];
+        let settings = &result.settings;
+        let gains = &settings.gains;
+        // The lag's answer to a held input over one frame.
+        let keep = (-self.frame_s / self.filter_s).exp();
+        let mut tvc = [0.0; 2];
+        for (i, rate) in [q, r].into_iter().enumerate() {
+            let input = errors[i] - gains.ftc_lead_s * rate;
+            self.filtered[i] = keep * self.filtered[i] + (1.0 - keep) * input;
+            let e = errors[i] - gains.tvc_lead_s * rate;
+            let beyond = e - e.clamp(-gains.dead_zone_rad, gains.dead_zone_rad);
+            tvc[i] = gains.tvc_gain_nprad * beyond;
+        }
+        let u = self.filtered.map(|f| gains.ftc_gain * f);
+        let roll = settings.roll_gain * (-phi - settings.roll_lead_s * p);
+        for (channel, value) in self
+            .channels
+            .tips
+            .into_iter()
+            .zip([u[0], u[1] + roll, u[1] - roll])
+            .chain(self.channels.tvc.into_iter().zip(tvc))
+        {
+            updates.set_dac(channel, value);
+        }
+    }
+}
+
+/// One flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flown {
+    /// θ at the frames of T, rad.
+    pub pitch_rad: Vec<f64>,
+    /// Greatest |Qα|, Pa·deg.
+    pub max_q_alpha_padeg: f64,
+    /// Greatest |θ − θ_c|, rad.
+    pub worst_error_rad: f64,
+    /// Whether it was lost.
+    pub lost: bool,
+    /// When it ended, s.
+    pub end_s: f64,
+}
+
+/// A machine at one frame, from a flight and a flight with a step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlightRow {
+    /// Machine.
+    pub partition: Partition,
+    /// T, s.
+    pub frame_s: f64,
+    /// Damping of the answer to the step, if it oscillates and the flight came so far.
+    pub zeta: Option<f64>,
+    /// Its frequency, rad/s.
+    pub omega_rad_s: Option<f64>,
+    /// Greatest |Qα|, Pa·deg.
+    pub max_q_alpha_padeg: f64,
+    /// Greatest |θ − θ_c|, deg.
+    pub worst_error_deg: f64,
+    /// Whether the flight was lost.
+    pub lost: bool,
+    /// When it ended, s.
+    pub end_s: f64,
+}
+
+/// Flies one machine to `stop`.
+///
+/// # Errors
+/// [`FlightFault`] from the machine; a lost flight is a result.
+pub fn fly(
+    console: &mut Console<'_>,
+    vehicle: &Vehicle,
+    case: &FlightCase,
+    partition: Partition,
+    (frame, stop): (Tick, Tick),
+    step_rad: f64,
+) -> Result<Flown, FlightFault> {
+    let fast = match partition {
+        Partition::RedundantAlpha => 5,
+        _ => 1,
+    };
+    let slow = Rate::every(fast).unwrap_or(Rate::FAST);
+    let fast_frame = slow.fast_period(frame).ok_or(FlightFault::Periods {
+        step: frame,
+        fast_frames: fast,
+    })?;
+    let plan = FlightPlan {
+        case: case.clone(),
+        step: frame,
+        slow,
+        latency: fast_frame,
+        skew: Tick::ZERO,
+        stop,
+        alpha: match partition {
+            Partition::ConventionalAlpha => AlphaPath::Held,
+            _ => AlphaPath::Redundant,
+        },
+        profile: Profile::ideal(),
+    };
+    let mut stage = Stage::load_patch(console, vehicle, &plan.profile, partition.patch())?;
+    let theta_c = StageChannels::resolve(console)?.dac.theta_c;
+    let mut task = Task {
+        partition,
+        frame_s: frame.secs(),
+        filter_s: 1.0 / vehicle.data().bending.filter_corner_radps,
+        filtered: [0.0; 2],
+        theta_c,
+        step_rad,
+        channels: Extra::resolve(console, partition)?,
+        lost: false,
+    };
+    let mut flown = Flown {
+        pitch_rad: Vec::new(),
+        max_q_alpha_padeg: 0.0,
+        worst_error_rad: 0.0,
+        lost: false,
+        end_s: 0.0,
+    };
+    let summary = stage.fly_with(
+        console,
+        vehicle,
+        &plan,
+        |samples, result, updates| task.step(samples, result, updates),
+        |samples, result| {
+            let s = &result.sample;
+            if slow.due(samples.frame) {
+                flown.pitch_rad.push(s.pitch_rad);
+            }
+            let away = (s.pitch_rad - s.pitch_command_rad).abs();
+            flown.worst_error_rad = flown.worst_error_rad.max(away);
+            flown.end_s = s.time_s;
+            Ok(())
+        },
+    );
+    match summary {
+        Ok(summary) => flown.max_q_alpha_padeg = summary.max_q_alpha.value,
+        // A tumbling stage leaves the trajectory's range: lost as well.
+        Err(FlightFault::Trajectory(_)) => task.lost = true,
+        Err(fault) => return Err(fault),
+    }
+    flown.lost = task.lost;
+    Ok(flown)
+}
+
+/// Two flights of one machine: damping, loads, and whether it holds.
+///
+/// # Errors
+/// [`FlightFault`] from the machine.
+pub fn row(
+    console: &mut Console<'_>,
+    vehicle: &Vehicle,
+    case: &FlightCase,
+    partition: Partition,
+    (frame, stop): (Tick, Tick),
+) -> Result<FlightRow, FlightFault> {
+    let base = fly(console, vehicle, case, partition, (frame, stop), 0.0)?;
+    let stepped = fly(console, vehicle, case, partition, (frame, stop), STEP_RAD)?;
+    let from = (STEP_AT_S / frame.secs()).ceil() as usize + 1;
+    let to = from + (WINDOW_S / frame.secs()).ceil() as usize;
+    let answer: Vec<f64> = base
+        .pitch_rad
+        .iter()
+        .zip(&stepped.pitch_rad)
+        .take(to)
+        .skip(from)
+        .map(|(a, b)| b - a)
+        .collect();
+    let pole = dominant(&answer, frame.secs());
+    Ok(FlightRow {
+        partition,
+        frame_s: frame.secs(),
+        zeta: pole.map(damping_ratio),
+        omega_rad_s: pole.map(|s| s.norm()),
+        max_q_alpha_padeg: base.max_q_alpha_padeg,
+        worst_error_deg: base.worst_error_rad.to_degrees(),
+        lost: base.lost,
+        end_s: base.end_s,
+    })
+}
+
+/// The least damped oscillation of an answer between 1 and 15 rad/s; the plant's slow change stands
+/// below the floor of 1e-3.
+fn dominant(answer: &[f64], frame_s: f64) -> Option<super::theory::C64> {
+    let stride = (ANSWER_PERIOD_S / frame_s).round().max(1.0) as usize;
+    let thinned: Vec<f64> = answer.iter().step_by(stride).copied().collect();
+    let changes: Vec<f64> = thinned.windows(2).map(|w| w[1] - w[0]).collect();
+    identify::poles(&changes, stride as f64 * frame_s, 1e-3)
+        .ok()?
+        .into_iter()
+        .filter(|s| s.im > 0.0 && (1.0..15.0).contains(&s.norm()))
+        .max_by(|a, b| a.re.total_cmp(&b.re))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_machine_exchanges_what_it_says() {
+        let text = |p: Partition| p.patch().files[0].1.clone();
+        let shipped = text(Partition::RedundantAlpha);
+        assert_eq!(shipped, stage_patch().files[0].1);
+        assert!(text(Partition::ConventionalAlpha).contains("alpha_held = { kind = \"dac\""));
+        let digital = text(Partition::DigitalControl);
+        for new in [
+            "command = \"digital_u_pitch\"",
+            "command = \"digital_u_2\"",
+            "command = \"digital_u_4\"",
+            "limit_p = { kind = \"limiter\", in = [\"tvc_p\"]",
+            "adc_gyro_p",
+        ] {
+            assert!(digital.contains(new), "{new}");
+        }
+    }
+}
