@@ -160,7 +160,7 @@ fn run_chapter(heading: &str) {
     let path = path.unwrap();
     for step in &chapter.steps {
         let child = Command::new("sh")
-            .args(["-c", &format!("{} >.said 2>&1", step.command)])
+            .args(["-c", &format!("( {} ) >.said 2>&1", step.command)])
             .current_dir(&desk)
             .env("PATH", &path)
             .env("HYBRID_BASE", bench.base())
