@@ -72,6 +72,8 @@ impl PitchBench {
         settings: &PitchSettings,
         duration_s: f64,
     ) -> Result<PitchResponse, ConsoleFault> {
+        // To IC first: a run that diverged leaves nets at which nothing can be set.
+        console.set_ics(Vec::new())?;
         let values = settings.settings().into_iter();
         console.preset(values.map(|(name, v)| (name.to_owned(), v)).collect())?;
         let spec = RunSpec {
