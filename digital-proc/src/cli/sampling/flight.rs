@@ -134,7 +134,7 @@ impl Measure for Flight {
         let frame_axis = || Axis::new("frame period", "ms").log();
         outcome.chart(
             "damping",
-            "Damping of the pitch loop at 20 s. Sampling α costs the loop little, sampling the whole control costs it its stability: the reason why control stays analog.",
+            "Damping of the pitch loop at 20 s, from the answer to a small step of the command; a missing marker is an answer without an oscillation between 1 and 15 rad/s.",
             LineChart::new(
                 "What may be digital",
                 frame_axis(),
@@ -149,18 +149,18 @@ impl Measure for Flight {
             LineChart::new(
                 "Load indicator Qα",
                 frame_axis(),
-                Axis::new("greatest |Qα|", "kPa·°"),
+                Axis::new("greatest |Qα|", "kPa·°").log(),
                 series(&|r| 1e-3 * r.max_q_alpha_padeg),
             )
             .limit(1e-3 * limit, "design limit"),
         );
         outcome.chart(
             "attitude-error",
-            "Greatest distance of the pitch attitude from its command.",
+            "Greatest distance of the pitch attitude from its command; a flight is lost at 20°.",
             LineChart::new(
                 "Attitude error",
                 frame_axis(),
-                Axis::new("greatest |θ − θc|", "°"),
+                Axis::new("greatest |θ − θc|", "°").log(),
                 series(&|r| r.worst_error_deg),
             ),
         );

@@ -215,8 +215,8 @@ impl Measure for AxesOfTranslation {
             "lab/axes.toml",
             "Axes of the translational equations",
             "The same flight integrated in three systems of axes from the same samples of an \
-             oscillating attitude. The products q u of body axes are artificial accelerations, a \
-             hundred times the true ones, and their error is the attitude's own lag.",
+             oscillating attitude. The products q u of body axes are artificial accelerations, whose \
+             error is the attitude's own lag.",
         );
         outcome.set("amplitude-deg", self.amplitude);
         outcome.set("omega-rad-s", self.omega);
@@ -282,7 +282,7 @@ impl Measure for AxesOfTranslation {
             .collect();
         outcome.chart(
             "gamma-error",
-            "Flight-path and H axes lie upon each other. Lines: first order of the oscillating part.",
+            "Lines: first order of the oscillating part. Markers: runs on the machine.",
             measured_vs_theory(
                 "Error of the flight-path angle",
                 Axis::new("digital step", "ms").log(),
