@@ -1,5 +1,17 @@
 //! The derivative pass and the integration of three patches, against the same
 //! equations written by hand with the same tableau and the same step control.
+//!
+//! The hand version has its coefficients in the instructions, looks at no corner and
+//! locates no event. Where the rest goes, measured with callgrind and perf:
+//!
+//! - Lorenz, rod: a pass has a fixed part of about 150 instructions (finding the
+//!   groups, control of single integrators, the call itself), most of Lorenz's pass;
+//!   integrating, it is small beside the stages of the method.
+//! - Stage, pass: 1400 instructions, of which sine and cosine 80; about 30 each for 20
+//!   folded operations, and 12 to 20 each for 20 rows. A quarter are checked
+//!   indices, a tenth is choosing the operation.
+//! - Stage, integration: derivatives 30 %, the method's own sums 13 %, witnesses and the
+//!   search for crossings 25 %, nets that no derivative reads 15 %, sine and cosine 6 %.
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
 
@@ -202,7 +214,7 @@ fn rod(c: &mut Criterion) {
 
 /// The long-period patch as flown, with coefficients of about the greatest dynamic pressure:
 /// channel and value.
-const COEFFICIENTS: [(u32, f64); 26] = [
+const COEFFICIENTS: [(u32, f64); 25] = [
     (0, 1.5),
     (1, 1.5),
     (2, -0.1),
@@ -228,7 +240,6 @@ const COEFFICIENTS: [(u32, f64); 26] = [
     (27, 5e4),
     (28, 2.5e4),
     (29, 2.5e4),
-    (30, 1.0),
 ];
 /// Signals held: dead zone, misalignments, cant; channel and value.
 const SIGNALS: [(u32, f64); 4] = [(6, 0.02), (7, 0.05), (8, 0.05), (9, 1.0)];

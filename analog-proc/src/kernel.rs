@@ -23,36 +23,45 @@ use crate::machine::{Frozen, Machine};
 use crate::op::{Op, Slot};
 use rows::Rows;
 
+/// Where a weight stands.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// In the flat array of the rows and long sums.
+    Row(usize),
+    /// The `k`-th of a folded operation.
+    Step { index: usize, k: usize },
+}
+
 /// A weight that coefficient units take part in: `base · Π dcus`.
 #[derive(Clone, Debug)]
 struct Scaled {
-    weight: usize,
+    place: Place,
     base: f64,
     dcus: Vec<u32>,
 }
 
-/// One folded operation; its weights lie side by side from `w`.
+/// One folded operation, with its weights.
 #[derive(Clone, Copy, Debug)]
-enum Step {
+pub(crate) enum Step {
     Sum1 {
         o: Slot,
         a: Slot,
-        w: u32,
+        w: [f64; 1],
     },
     Sum2 {
         o: Slot,
         a: Slot,
         b: Slot,
-        w: u32,
+        w: [f64; 2],
     },
     Sum3 {
         o: Slot,
         a: Slot,
         b: Slot,
         d: Slot,
-        w: u32,
+        w: [f64; 3],
     },
-    /// Of `len` nets, listed from `start`.
+    /// Of `len` nets, listed from `start`, weighted from `w`.
     Sum {
         o: Slot,
         start: u32,
@@ -63,48 +72,49 @@ enum Step {
         o: Slot,
         a: Slot,
         b: Slot,
-        w: u32,
+        w: [f64; 1],
     },
     Curve1 {
         o: Slot,
         e: u32,
         a: Slot,
-        w: u32,
+        w: [f64; 1],
     },
     Curve2 {
         o: Slot,
         e: u32,
         a: Slot,
         b: Slot,
-        w: u32,
+        w: [f64; 2],
     },
     DeadZone1 {
         o: Slot,
         e: u32,
         a: Slot,
-        w: u32,
         width: Slot,
+        w: [f64; 1],
     },
     DeadZone2 {
         o: Slot,
         e: u32,
         a: Slot,
         b: Slot,
-        w: u32,
         width: Slot,
+        w: [f64; 2],
     },
     SinCos {
         o: Slot,
         a: Slot,
-        w: u32,
+        w: [f64; 1],
     },
+    /// The third weight is the sense of rotation.
     Rotate {
         x: Slot,
         y: Slot,
         u: Slot,
         v: Slot,
         sin: Slot,
-        w: u32,
+        w: [f64; 3],
     },
     /// As it was: operation `i` of the list.
     Other {
@@ -112,37 +122,68 @@ enum Step {
     },
 }
 
-// The program is read through once a pass: two operations a cache line.
-const _: () = assert!(size_of::<Step>() <= 32);
+// The list is read through at every evaluation of the derivatives.
+const _: () = assert!(size_of::<Step>() <= 48);
+
+impl Step {
+    fn weights(&mut self) -> &mut [f64] {
+        match self {
+            Step::Sum1 { w, .. }
+            | Step::Product { w, .. }
+            | Step::Curve1 { w, .. }
+            | Step::DeadZone1 { w, .. }
+            | Step::SinCos { w, .. } => w,
+            Step::Sum2 { w, .. } | Step::Curve2 { w, .. } | Step::DeadZone2 { w, .. } => w,
+            Step::Sum3 { w, .. } | Step::Rotate { w, .. } => w,
+            Step::Sum { .. } | Step::Other { .. } => &mut [],
+        }
+    }
+}
 
 /// The derivative program of a machine.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kernel {
+    /// Nets of the converters, and what each holds.
+    dacs: Vec<(Slot, u32)>,
     steps: Vec<Step>,
     others: Vec<Op>,
     /// Nets of the long sums.
     slots: Vec<Slot>,
     rows: Rows,
-    /// What no derivative reads, or only in folded form.
+    /// What no derivative reads, or only in folded form, but a witness does.
+    seen: Vec<Op>,
+    /// What neither reads.
     rest: Vec<Op>,
     weights: Vec<f64>,
     scaled: Vec<Scaled>,
 }
 
 impl Kernel {
-    /// Weights with every coefficient unit at one; [`Kernel::weigh`] sets them.
+    /// Folded operations with every coefficient unit at one; [`Kernel::load`] sets them.
+    pub fn steps(&self) -> Vec<Step> {
+        self.steps.clone()
+    }
+
+    /// Weights of the rows, likewise.
     pub fn weights(&self) -> Vec<f64> {
         self.weights.clone()
     }
 
-    /// Multiplies the coefficients now held into the weights.
-    pub fn weigh(&self, dcus: &[f64], weights: &mut [f64]) {
+    /// Multiplies the coefficients now held into the weights, and lists the converters
+    /// whose output moves within a step; the nets of the others stand as settled.
+    pub fn load(&self, f: &mut Frozen) {
+        f.moving.clear();
+        let moves = |dac: &&(Slot, u32)| !f.holds[dac.1 as usize].constant();
+        f.moving.extend(self.dacs.iter().filter(moves));
         for scaled in &self.scaled {
             let product = scaled
                 .dcus
                 .iter()
-                .fold(scaled.base, |c, dcu| c * dcus[*dcu as usize]);
-            weights[scaled.weight] = product;
+                .fold(scaled.base, |c, dcu| c * f.dcus[*dcu as usize]);
+            match scaled.place {
+                Place::Row(i) => f.weights[i] = product,
+                Place::Step { index, k } => f.steps[index].weights()[k] = product,
+            }
         }
     }
 
@@ -157,9 +198,7 @@ impl Machine {
     /// `nets[..states]`; brings up to date the nets that they depend on.
     #[inline]
     pub(crate) fn derivatives(&self, f: &Frozen, t_s: f64, nets: &mut [f64], d: &mut [f64]) {
-        for step in &self.kernel.steps {
-            self.step(step, f, t_s, nets);
-        }
+        self.steps(f, t_s, nets);
         self.kernel.rows.evaluate(&f.weights, nets, d);
         for (control, &running) in self.controls.iter().zip(&f.running) {
             if !running {
@@ -168,83 +207,104 @@ impl Machine {
         }
     }
 
+    /// Out of line, so that the rare operations do not crowd the frequent ones.
+    #[inline(never)]
+    fn other(&self, i: usize, f: &Frozen, t_s: f64, nets: &mut [f64]) {
+        self.evaluate(&self.kernel.others[i], f, t_s, nets);
+    }
+
+    /// The varying nets at `t_s`, without derivatives.
+    pub(crate) fn outputs(&self, f: &Frozen, t_s: f64, nets: &mut [f64]) {
+        self.steps(f, t_s, nets);
+        self.complete(f, t_s, nets);
+    }
+
+    /// Of the varying nets at `t_s`, those that witnesses read.
+    pub(crate) fn seen(&self, f: &Frozen, t_s: f64, nets: &mut [f64]) {
+        self.steps(f, t_s, nets);
+        for op in &self.kernel.seen {
+            self.evaluate(op, f, t_s, nets);
+        }
+    }
+
     /// After [`Machine::derivatives`], the varying nets that it left out.
     pub(crate) fn complete(&self, f: &Frozen, t_s: f64, nets: &mut [f64]) {
-        for op in &self.kernel.rest {
+        for op in self.kernel.seen.iter().chain(&self.kernel.rest) {
             self.evaluate(op, f, t_s, nets);
         }
     }
 
     #[inline(always)]
+    fn steps(&self, f: &Frozen, t_s: f64, nets: &mut [f64]) {
+        for (o, hold) in &f.moving {
+            nets[*o as usize] = f.holds[*hold as usize].at_time(t_s);
+        }
+        for step in &f.steps {
+            self.step(step, f, t_s, nets);
+        }
+    }
+
+    #[inline(always)]
     fn step(&self, step: &Step, f: &Frozen, t_s: f64, nets: &mut [f64]) {
-        let weights = &f.weights[..];
         macro_rules! net {
             ($s:expr) => {
                 nets[$s as usize]
             };
         }
-        // The weights of one operation, checked once.
-        macro_rules! weights {
-            ($w:expr, $n:literal) => {
-                &weights[$w as usize..][..$n]
-            };
-        }
         match *step {
-            Step::Sum1 { o, a, w } => net!(o) = weights[w as usize] * net!(a),
-            Step::Sum2 { o, a, b, w } => {
-                let w = weights!(w, 2);
-                net!(o) = w[0] * net!(a) + w[1] * net!(b);
-            }
+            Step::Sum1 { o, a, w: [w] } => net!(o) = w * net!(a),
+            Step::Sum2 { o, a, b, w } => net!(o) = w[0] * net!(a) + w[1] * net!(b),
             Step::Sum3 { o, a, b, d, w } => {
-                let w = weights!(w, 3);
                 net!(o) = w[0] * net!(a) + w[1] * net!(b) + w[2] * net!(d);
             }
             Step::Sum { o, start, len, w } => {
                 let slots = &self.kernel.slots[start as usize..(start + len) as usize];
-                let weights = &weights[w as usize..(w + len) as usize];
+                let weights = &f.weights[w as usize..(w + len) as usize];
                 let mut sum = 0.0;
                 for (slot, w) in slots.iter().zip(weights) {
                     sum += w * net!(*slot);
                 }
                 net!(o) = sum;
             }
-            Step::Product { o, a, b, w } => net!(o) = weights[w as usize] * net!(a) * net!(b),
-            Step::Curve1 { o, e, a, w } => {
-                net!(o) = f.piece[e as usize].at(weights[w as usize] * net!(a));
+            Step::Product { o, a, b, w: [w] } => net!(o) = w * net!(a) * net!(b),
+            Step::Curve1 { o, e, a, w: [w] } => {
+                net!(o) = f.piece[e as usize].at(w * net!(a));
             }
             Step::Curve2 { o, e, a, b, w } => {
-                let w = weights!(w, 2);
                 net!(o) = f.piece[e as usize].at(w[0] * net!(a) + w[1] * net!(b));
             }
-            Step::DeadZone1 { o, e, a, w, width } => {
-                let u = weights[w as usize] * net!(a);
-                net!(o) = crate::op::dead_zone(f.region[e as usize], u, net!(width));
+            Step::DeadZone1 {
+                o,
+                e,
+                a,
+                width,
+                w: [w],
+            } => {
+                net!(o) = crate::op::dead_zone(f.region[e as usize], w * net!(a), net!(width));
             }
             Step::DeadZone2 {
                 o,
                 e,
                 a,
                 b,
-                w,
                 width,
+                w,
             } => {
-                let w = weights!(w, 2);
                 let u = w[0] * net!(a) + w[1] * net!(b);
                 net!(o) = crate::op::dead_zone(f.region[e as usize], u, net!(width));
             }
-            Step::SinCos { o, a, w } => {
-                let (sin, cos) = (weights[w as usize] * net!(a)).sin_cos();
+            Step::SinCos { o, a, w: [w] } => {
+                let (sin, cos) = (w * net!(a)).sin_cos();
                 net!(o) = sin;
                 net!(o + 1) = cos;
             }
             Step::Rotate { x, y, u, v, sin, w } => {
-                let w = weights!(w, 3);
                 let (u, v) = (w[0] * net!(u), w[1] * net!(v));
                 let (s, c) = (w[2] * net!(sin), net!(sin + 1));
                 net!(x) = u * c - v * s;
                 net!(y) = u * s + v * c;
             }
-            Step::Other { i } => self.evaluate(&self.kernel.others[i as usize], f, t_s, nets),
+            Step::Other { i } => self.other(i as usize, f, t_s, nets),
         }
     }
 }

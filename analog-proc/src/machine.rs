@@ -2,10 +2,10 @@
 //!
 //! An ordered net is lowered once into operations with `u32` indices into one
 //! flat array of nets, whose first entries are the integrators' outputs. The
-//! program has three lists: `settle` evaluates every block and decides every
-//! region (at events only); `fast` holds what varies within a step, on frozen
-//! regions, for a look between its ends; `kernel` is the part of it on which
-//! the derivatives depend, folded, and is what the integration methods run.
+//! program has two parts: `settle` evaluates every block and decides every
+//! region, at events only; `kernel` holds what varies within a step, on frozen
+//! regions, and first what the derivatives depend on, which is what the
+//! integration methods run.
 //!
 //! It refuses to hold any running state: that is [`Frozen`] (piecewise
 //! constant) and the nets.
@@ -15,11 +15,11 @@ use crate::block::dac::Hold;
 use crate::block::delay::DelayLine;
 use crate::block::integrator::Control;
 use crate::block::logic::Store;
-use crate::block::piecewise::{Piecewise, UNSET};
+use crate::block::piecewise::{OverloadWatch, Piecewise, UNSET};
 use crate::block::source::{Noise, Timer, Waveform};
 use crate::block::surface::Table;
 use crate::fault::RunFault;
-use crate::kernel::Kernel;
+use crate::kernel::{Kernel, Step};
 use crate::net::BlockId;
 use crate::op::{Op, Slot, Term};
 use crate::order::Ordered;
@@ -47,7 +47,6 @@ pub struct Machine {
     pub(crate) block_names: Vec<String>,
     pub(crate) block_of_state: Vec<BlockId>,
     pub(crate) settle: Vec<Settle>,
-    pub(crate) fast: Vec<Op>,
     /// What the integration methods run.
     pub(crate) kernel: Kernel,
     pub(crate) terms: Vec<Term>,
@@ -57,8 +56,10 @@ pub struct Machine {
     /// Nets before anything is evaluated: constants, initial store outputs.
     pub(crate) initial_nets: Vec<f64>,
     pub(crate) elements: Vec<(BlockId, Piecewise)>,
-    /// Elements whose inputs vary within a step.
+    /// Elements whose inputs vary within a step, the overload witnesses last.
     pub(crate) watched: Vec<u32>,
+    /// Those overload witnesses, side by side.
+    pub(crate) levels: Vec<OverloadWatch>,
     pub(crate) breakpoints: Vec<f64>,
     pub(crate) initial_pieces: Vec<Piece>,
     pub(crate) tables: Vec<Table>,
@@ -87,8 +88,11 @@ pub(crate) struct Frozen {
     /// All pieces of all curves (digital functions rewrite theirs).
     pub pieces: Vec<Piece>,
     pub holds: Vec<Hold>,
-    /// Weights of the kernel, coefficients included.
+    /// Folded operations and weights of the rows, coefficients included.
+    pub steps: Vec<Step>,
     pub weights: Vec<f64>,
+    /// Nets of converters that move within a step, and their holds.
+    pub moving: Vec<(Slot, u32)>,
     pub dcus: Vec<f64>,
     pub tracked: Vec<f64>,
     pub tracking: Vec<bool>,
@@ -131,7 +135,9 @@ impl Machine {
             piece: vec![Piece::default(); self.elements.len()],
             pieces: self.initial_pieces.clone(),
             holds: self.dac_channels.iter().map(|d| Hold::at(d.1)).collect(),
+            steps: self.kernel.steps(),
             weights: self.kernel.weights(),
+            moving: Vec::with_capacity(self.dac_channels.len()),
             dcus: self.dcu_channels.iter().map(|d| d.1).collect(),
             tracked: self.track_ics.clone(),
             tracking: vec![false; self.track_ics.len()],
@@ -147,12 +153,5 @@ impl Machine {
 
     pub(crate) fn block_name(&self, block: BlockId) -> String {
         self.block_names[block.index()].clone()
-    }
-
-    /// The varying nets at `t_s`, without derivatives.
-    pub(crate) fn outputs(&self, f: &Frozen, t_s: f64, nets: &mut [f64]) {
-        for op in &self.fast {
-            self.evaluate(op, f, t_s, nets);
-        }
     }
 }

@@ -321,7 +321,7 @@ impl Machine {
     }
 
     /// Evaluates one operation.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn evaluate(&self, op: &Op, f: &Frozen, t_s: f64, nets: &mut [f64]) {
         macro_rules! net {
             ($s:expr) => {

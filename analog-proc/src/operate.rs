@@ -113,8 +113,7 @@ impl Engine {
         for function in &self.machine.digital_functions {
             function.load(&self.machine.breakpoints, &mut self.frozen);
         }
-        let Frozen { dcus, weights, .. } = &mut self.frozen;
-        self.machine.kernel.weigh(dcus, weights);
+        self.machine.kernel.load(&mut self.frozen);
     }
 
     pub fn derivative_pass(&mut self) -> f64 {

@@ -23,15 +23,31 @@ const BATCH_ROWS: usize = 1024;
 pub struct RecordFault {
     path: PathBuf,
     reason: String,
+    reader_left: bool,
+}
+
+impl RecordFault {
+    /// Whether the program that read standard output has had enough, as `head` has.
+    #[must_use]
+    pub fn reader_left(&self) -> bool {
+        self.reader_left
+    }
+}
+
+/// Whether an error is that of a pipe without reader.
+fn is_broken_pipe(error: &std::io::Error) -> bool {
+    error.kind() == std::io::ErrorKind::BrokenPipe
 }
 
 enum Sink {
     Csv(Box<csv::Writer<Box<dyn Write>>>),
-    Arrow {
-        writer: StreamWriter<BufWriter<File>>,
-        schema: Arc<Schema>,
-        columns: Vec<Vec<f64>>,
-    },
+    Arrow(Box<ArrowFile>),
+}
+
+struct ArrowFile {
+    writer: StreamWriter<BufWriter<File>>,
+    schema: Arc<Schema>,
+    columns: Vec<Vec<f64>>,
 }
 
 /// Writes rows of time and net values.
@@ -52,6 +68,7 @@ impl Recorder {
         let fault = |reason: String| RecordFault {
             path: path.to_owned(),
             reason,
+            reader_left: false,
         };
         let header = std::iter::once("time").chain(names);
         let sink = if path.extension().is_some_and(|e| e == "arrow") {
@@ -63,11 +80,11 @@ impl Recorder {
             let schema = Arc::new(Schema::new(fields));
             let writer = StreamWriter::try_new(BufWriter::new(file), &schema)
                 .map_err(|e| fault(e.to_string()))?;
-            Sink::Arrow {
+            Sink::Arrow(Box::new(ArrowFile {
                 writer,
                 schema,
                 columns,
-            }
+            }))
         } else {
             let out: Box<dyn Write> = if path.as_os_str() == "-" {
                 Box::new(std::io::stdout().lock())
@@ -92,27 +109,30 @@ impl Recorder {
     /// [`RecordFault`] when the file cannot take it.
     pub fn row(&mut self, time_s: f64, values: &[f64]) -> Result<(), RecordFault> {
         let row = std::iter::once(time_s).chain(values.iter().copied());
+        let mut reader_left = false;
         let done = match &mut self.sink {
             Sink::Csv(writer) => writer
                 .write_record(row.map(|v| format!("{v:.16e}")))
-                .map_err(|e| e.to_string()),
-            Sink::Arrow {
-                writer,
-                schema,
-                columns,
-            } => {
-                for (column, value) in columns.iter_mut().zip(row) {
+                .map_err(|e| {
+                    if let csv::ErrorKind::Io(error) = e.kind() {
+                        reader_left = is_broken_pipe(error);
+                    }
+                    e.to_string()
+                }),
+            Sink::Arrow(file) => {
+                for (column, value) in file.columns.iter_mut().zip(row) {
                     column.push(value);
                 }
-                if columns[0].len() < BATCH_ROWS {
+                if file.columns[0].len() < BATCH_ROWS {
                     return Ok(());
                 }
-                write_batch(writer, schema, columns).map_err(|e| e.to_string())
+                file.write_batch().map_err(|e| e.to_string())
             }
         };
         done.map_err(|reason| RecordFault {
             path: self.path.clone(),
             reason,
+            reader_left,
         })
     }
 
@@ -121,35 +141,37 @@ impl Recorder {
     /// # Errors
     /// [`RecordFault`] when the file cannot take it.
     pub fn finish(self) -> Result<(), RecordFault> {
+        let mut reader_left = false;
         let done = match self.sink {
-            Sink::Csv(mut writer) => writer.flush().map_err(|e| e.to_string()),
-            Sink::Arrow {
-                mut writer,
-                schema,
-                mut columns,
-            } => write_batch(&mut writer, &schema, &mut columns)
-                .and_then(|()| writer.finish())
+            Sink::Csv(mut writer) => writer.flush().map_err(|e| {
+                reader_left = is_broken_pipe(&e);
+                e.to_string()
+            }),
+            Sink::Arrow(mut file) => file
+                .write_batch()
+                .and_then(|()| file.writer.finish())
                 .map_err(|e| e.to_string()),
         };
         done.map_err(|reason| RecordFault {
             path: self.path,
             reason,
+            reader_left,
         })
     }
 }
 
-fn write_batch(
-    writer: &mut StreamWriter<BufWriter<File>>,
-    schema: &Arc<Schema>,
-    columns: &mut [Vec<f64>],
-) -> Result<(), ArrowError> {
-    if columns[0].is_empty() {
-        return Ok(());
+impl ArrowFile {
+    fn write_batch(&mut self) -> Result<(), ArrowError> {
+        if self.columns[0].is_empty() {
+            return Ok(());
+        }
+        let arrays = self
+            .columns
+            .iter_mut()
+            .map(|c| Arc::new(Float64Array::from(std::mem::take(c))) as ArrayRef)
+            .collect();
+        let batch = RecordBatch::try_new(self.schema.clone(), arrays)?;
+        self.writer.write(&batch)?;
+        self.writer.flush()
     }
-    let arrays = columns
-        .iter_mut()
-        .map(|c| Arc::new(Float64Array::from(std::mem::take(c))) as ArrayRef)
-        .collect();
-    writer.write(&RecordBatch::try_new(schema.clone(), arrays)?)?;
-    writer.flush()
 }

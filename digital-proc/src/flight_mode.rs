@@ -129,6 +129,23 @@ pub enum Part {
     Tip4,
 }
 
+impl Part {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Part::RollGain => "roll gain",
+            Part::FtcPitch => "FTC gain in pitch",
+            Part::FtcYaw => "FTC gain in yaw",
+            Part::TvcPitch => "TVC gain in pitch",
+            Part::TvcYaw => "TVC gain in yaw",
+            Part::PitchTips => "pitch tips",
+            Part::Tip2 => "tip 2",
+            Part::Tip4 => "tip 4",
+        }
+    }
+}
+
 impl FlightScript {
     /// A flight on which nothing fails.
     #[must_use]

@@ -25,8 +25,9 @@ pub const INTERRUPT_LINES: usize = 32;
 pub const EDGES_PER_FRAME: usize = 32;
 
 /// Frames that a free-running analog side may be ahead of the last updates; then it
-/// waits, so that no frame is ever lost. Half of what the links hold in flight.
-pub const FRAMES_AHEAD: u64 = 8;
+/// waits, so that no frame is lost and updates are late by a frame at most in problem
+/// time: two frames of latency is what the correction of a redundant integrator bears.
+pub const FRAMES_AHEAD: u64 = 2;
 /// Transfers told per frame: those that waited for its samples, and as many that came since.
 pub const TRANSFERS_PER_FRAME: usize = 2 * FRAMES_AHEAD as usize;
 

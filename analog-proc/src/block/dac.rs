@@ -63,6 +63,11 @@ impl Hold {
         }
     }
 
+    /// Whether the output stands still until the next transfer.
+    pub fn constant(&self) -> bool {
+        self.constant
+    }
+
     #[inline(always)]
     pub fn at_time(&self, t_s: f64) -> f64 {
         if self.constant {

@@ -17,7 +17,7 @@ pub(crate) mod source;
 pub(crate) mod surface;
 
 use curve::{Curve, Piece, band};
-use piecewise::Piecewise;
+use piecewise::{OverloadWatch, Piecewise};
 
 use crate::fault::RunFault;
 use crate::kernel::{Kernel, fold};
@@ -32,6 +32,10 @@ struct Lowering {
     m: Machine,
     /// Whether a slot varies within a step.
     varying: Vec<bool>,
+    /// Operations whose result varies within a step.
+    fast: Vec<Op>,
+    /// Nets that witnesses read.
+    watched: Vec<Slot>,
     /// Terms of each derivative.
     rates: Vec<(u32, Vec<Term>)>,
     /// Angles whose sine is in a net, their cosine in the net after it.
@@ -92,7 +96,6 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             block_names: netlist.blocks.iter().map(|b| b.name.clone()).collect(),
             block_of_state,
             settle: Vec::new(),
-            fast: Vec::new(),
             kernel: Kernel::default(),
             terms: Vec::new(),
             ics: vec![0.0; states as usize],
@@ -100,6 +103,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             initial_nets: vec![0.0; slots as usize],
             elements: Vec::new(),
             watched: Vec::new(),
+            levels: Vec::new(),
             breakpoints: Vec::new(),
             initial_pieces: Vec::new(),
             tables: Vec::new(),
@@ -118,6 +122,8 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             step_cap_s: f64::INFINITY,
         },
         varying,
+        fast: Vec::new(),
+        watched: Vec::new(),
         rates: Vec::new(),
         angles: Vec::new(),
         block: BlockId(0),
@@ -131,8 +137,18 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         lowering.block = *id;
         lowering.inputs_of_stores(ordered)?;
     }
-    let Lowering { mut m, rates, .. } = lowering;
-    m.kernel = fold(&m.fast, &m.terms, &rates, m.slots);
+    let Lowering {
+        mut m,
+        rates,
+        fast,
+        watched: seen,
+        ..
+    } = lowering;
+    let elements = &m.elements;
+    let watch = |e: u32| OverloadWatch::of(&elements[e as usize].1, e);
+    m.watched.sort_by_key(|e| watch(*e).is_some());
+    m.levels = m.watched.iter().filter_map(|e| watch(*e)).collect();
+    m.kernel = fold(&fast, &m.terms, &rates, &seen, m.slots);
     Ok(m)
 }
 
@@ -191,7 +207,7 @@ impl Lowering {
         }
         self.m.settle.push(Settle::Op(op));
         if varying {
-            self.m.fast.push(op);
+            self.fast.push(op);
         }
     }
 
@@ -261,6 +277,7 @@ impl Lowering {
         self.m.settle.push(Settle::Decide(e));
         if self.vary(reads) {
             self.m.watched.push(e);
+            self.watched.extend_from_slice(reads);
         }
         e
     }

@@ -90,6 +90,36 @@ fn closed(margin: f64) -> f64 {
     }
 }
 
+/// An overload witness: every block with a `max` has one, so they are looked at in one loop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OverloadWatch {
+    pub element: u32,
+    net: Slot,
+    level: f64,
+}
+
+impl OverloadWatch {
+    pub fn of(piecewise: &Piecewise, element: u32) -> Option<OverloadWatch> {
+        match *piecewise {
+            Piecewise::Overload { net, level } => Some(OverloadWatch {
+                element,
+                net,
+                level,
+            }),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    pub fn margin(&self, region: u32, nets: &[f64]) -> f64 {
+        if region == 0 {
+            nets[self.net as usize].abs() - self.level
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+}
+
 impl Piecewise {
     /// Positive where the present region must be left; its zero is the switching surface.
     #[inline]

@@ -26,9 +26,9 @@ pub const PARTNER_FAILED: u8 = 3;
 ///
 /// Try it on a shipped patch:
 ///
-///     analog-proc check patch-files/van-der-pol.toml
-///     analog-proc run   patch-files/van-der-pol.toml --until 20s --out vdp.csv
-///     analog-proc draw  patch-files/van-der-pol.toml --out vdp.svg
+///   analog-proc check patch-files/van-der-pol.toml
+///   analog-proc run   patch-files/van-der-pol.toml --until 20s --out vdp.csv
+///   analog-proc draw  patch-files/van-der-pol.toml --out vdp.svg
 ///
 /// The language of patch files and six exercises are in patch-files/README.md.
 #[derive(Parser)]

@@ -63,11 +63,14 @@ impl Run {
             }
             progress.at(time_s);
         });
-        recorder.finish().map_err(write)?;
+        let finished = recorder.finish();
         progress.done();
-        if let Some(fault) = failed {
-            return Err(write(fault));
+        let written = failed.map_or(finished, Err);
+        if written.as_ref().is_err_and(RecordFault::reader_left) {
+            // `| head` and the like: nobody wants the rest.
+            return Ok(());
         }
+        written.map_err(write)?;
         let overloads: Vec<String> = simulation
             .overloads()
             .iter()
@@ -115,7 +118,8 @@ impl Run {
     fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
         let netlist = &ordered.netlist;
         if self.record.is_empty() {
-            let is_state = |b: &&Block| matches!(b.kind, Kind::Integrator { .. } | Kind::Lag { .. });
+            let is_state =
+                |b: &&Block| matches!(b.kind, Kind::Integrator { .. } | Kind::Lag { .. });
             let mut blocks: Vec<&Block> = netlist.blocks.iter().filter(is_state).collect();
             if blocks.is_empty() {
                 blocks = netlist.blocks.iter().collect();

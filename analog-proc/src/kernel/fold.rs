@@ -7,7 +7,7 @@
 //! whose single reader is a derivative.
 
 use super::rows::{Row, Rows};
-use super::{Kernel, Scaled, Step};
+use super::{Kernel, Place, Scaled, Step};
 use crate::op::{Op, Slot, Term};
 
 /// A net read with a weight `c · Π dcus`.
@@ -44,17 +44,12 @@ pub(super) struct Weights {
 }
 
 impl Weights {
+    /// The place of one more weight of the rows.
     pub fn push(&mut self, part: &Part) -> u32 {
-        let weight = self.base.len();
+        let place = self.base.len();
         self.base.push(part.c);
-        if !part.dcus.is_empty() {
-            self.scaled.push(Scaled {
-                weight,
-                base: part.c,
-                dcus: part.dcus.clone(),
-            });
-        }
-        weight as u32
+        self.scale(Place::Row(place), part);
+        place as u32
     }
 
     pub fn push_all(&mut self, parts: &[Part]) -> u32 {
@@ -63,6 +58,25 @@ impl Weights {
             self.push(part);
         }
         start
+    }
+
+    /// Weights that stand in operation `index` itself.
+    fn within<const N: usize>(&mut self, index: usize, parts: &[Part]) -> [f64; N] {
+        std::array::from_fn(|k| {
+            let part = &parts[k];
+            self.scale(Place::Step { index, k }, part);
+            part.c
+        })
+    }
+
+    fn scale(&mut self, place: Place, part: &Part) {
+        if !part.dcus.is_empty() {
+            self.scaled.push(Scaled {
+                place,
+                base: part.c,
+                dcus: part.dcus.clone(),
+            });
+        }
     }
 }
 
@@ -81,8 +95,15 @@ struct Folding<'a> {
     folded: Vec<bool>,
 }
 
-/// Folds the varying operations and the derivatives (`rates`, by state).
-pub(crate) fn fold(ops: &[Op], terms: &[Term], rates: &[(u32, Vec<Term>)], slots: usize) -> Kernel {
+/// Folds the varying operations and the derivatives (`rates`, by state); `watched` are
+/// the nets that witnesses read.
+pub(crate) fn fold(
+    ops: &[Op],
+    terms: &[Term],
+    rates: &[(u32, Vec<Term>)],
+    watched: &[Slot],
+    slots: usize,
+) -> Kernel {
     let mut driver = vec![None; slots];
     for (i, op) in ops.iter().enumerate() {
         op.drives(|slot| driver[slot as usize] = Some(i));
@@ -121,14 +142,29 @@ pub(crate) fn fold(ops: &[Op], terms: &[Term], rates: &[(u32, Vec<Term>)], slots
     // Readers come after what they read: backwards, so that a sum knows whether it was folded.
     let mut steps = Vec::new();
     for i in (0..ops.len()).rev() {
-        if folding.live[i] && !folding.folded[i] {
-            steps.push(folding.step(i, &mut kernel, &mut weights));
+        let dac = matches!(ops[i], Op::Dac { .. });
+        if folding.live[i] && !folding.folded[i] && !dac {
+            let index = steps.len();
+            steps.push(folding.step(i, index, &mut kernel, &mut weights));
         }
     }
     steps.reverse();
+    let last = steps.len();
     kernel.steps = steps;
-    let rest = (0..ops.len()).filter(|i| !folding.live[*i] || folding.folded[*i]);
-    kernel.rest = rest.map(|i| ops[i]).collect();
+    for scaled in &mut weights.scaled {
+        if let Place::Step { index, .. } = &mut scaled.place {
+            *index = last - 1 - *index;
+        }
+    }
+    let seen = folding.seen(watched);
+    for (i, op) in ops.iter().enumerate() {
+        match *op {
+            Op::Dac { o, hold } => kernel.dacs.push((o, hold)),
+            _ if folding.live[i] && !folding.folded[i] => {}
+            _ if seen[i] => kernel.seen.push(*op),
+            _ => kernel.rest.push(*op),
+        }
+    }
     kernel.weights = weights.base;
     kernel.scaled = weights.scaled;
     kernel
@@ -279,63 +315,83 @@ impl Folding<'_> {
         parts
     }
 
-    fn step(&mut self, i: usize, kernel: &mut Kernel, weights: &mut Weights) -> Step {
+    /// Operations on which watched nets depend.
+    fn seen(&self, watched: &[Slot]) -> Vec<bool> {
+        let mut needed = vec![false; self.driver.len()];
+        for slot in watched {
+            needed[*slot as usize] = true;
+        }
+        let mut seen = vec![false; self.ops.len()];
+        for (i, op) in self.ops.iter().enumerate().rev() {
+            op.drives(|slot| seen[i] |= needed[slot as usize]);
+            if seen[i] {
+                op.reads(self.terms, |slot| needed[slot as usize] = true);
+            }
+        }
+        seen
+    }
+
+    fn step(&mut self, i: usize, at: usize, kernel: &mut Kernel, weights: &mut Weights) -> Step {
         let op = self.ops[i];
         match op {
             Op::Product { o, .. } => {
                 let [a, b] = &self.operands[i][..] else {
                     unreachable!("a product has two operands")
                 };
-                let both = a.times(b);
-                let w = weights.push(&both);
+                let w = weights.within(at, &[a.times(b)]);
                 let (a, b) = (a.slot, b.slot);
                 Step::Product { o, a, b, w }
             }
             Op::Curve { o, e, .. } => {
                 let parts = self.one_or_two(i);
-                let w = weights.push_all(&parts);
-                match parts[..] {
-                    [Part { slot: a, .. }, Part { slot: b, .. }] => Step::Curve2 { o, e, a, b, w },
-                    _ => Step::Curve1 {
+                let a = parts[0].slot;
+                match parts.get(1) {
+                    Some(second) => Step::Curve2 {
                         o,
                         e,
-                        a: parts[0].slot,
-                        w,
+                        a,
+                        b: second.slot,
+                        w: weights.within(at, &parts),
+                    },
+                    None => Step::Curve1 {
+                        o,
+                        e,
+                        a,
+                        w: weights.within(at, &parts),
                     },
                 }
             }
             Op::DeadZone { o, e, w: width, .. } => {
                 let parts = self.one_or_two(i);
-                let w = weights.push_all(&parts);
-                match parts[..] {
-                    [Part { slot: a, .. }, Part { slot: b, .. }] => Step::DeadZone2 {
+                let a = parts[0].slot;
+                match parts.get(1) {
+                    Some(second) => Step::DeadZone2 {
                         o,
                         e,
                         a,
-                        b,
-                        w,
+                        b: second.slot,
                         width,
+                        w: weights.within(at, &parts),
                     },
-                    _ => Step::DeadZone1 {
+                    None => Step::DeadZone1 {
                         o,
                         e,
-                        a: parts[0].slot,
-                        w,
+                        a,
                         width,
+                        w: weights.within(at, &parts),
                     },
                 }
             }
             Op::SinCos { o, .. } => {
                 let a = self.operands[i][0].slot;
-                let w = weights.push_all(&self.operands[i]);
+                let w = weights.within(at, &self.operands[i]);
                 Step::SinCos { o, a, w }
             }
             Op::Rotate { x, y, start } => {
-                let w = weights.push_all(&self.operands[i]);
                 let angle = self.terms[start as usize + 2];
-                weights.push(&Part::plain(angle.slot, angle.c));
-                let (u, v) = (self.operands[i][0].slot, self.operands[i][1].slot);
-                let sin = angle.slot;
+                self.operands[i].push(Part::plain(angle.slot, angle.c));
+                let [u, v, sin] = [0, 1, 2].map(|k| self.operands[i][k].slot);
+                let w = weights.within(at, &self.operands[i]);
                 Step::Rotate { x, y, u, v, sin, w }
             }
             Op::Sum1 { o, .. }
@@ -346,13 +402,23 @@ impl Folding<'_> {
                 let parts = std::mem::take(&mut self.operands[i]);
                 let mut expanded = Vec::new();
                 self.expand(&parts, &mut expanded);
-                let w = weights.push_all(&expanded);
-                let slots: Vec<Slot> = expanded.iter().map(|p| p.slot).collect();
+                let parts = expanded;
+                let slots: Vec<Slot> = parts.iter().map(|p| p.slot).collect();
                 match slots[..] {
-                    [a] => Step::Sum1 { o, a, w },
-                    [a, b] => Step::Sum2 { o, a, b, w },
-                    [a, b, d] => Step::Sum3 { o, a, b, d, w },
+                    [a] => {
+                        let w = weights.within(at, &parts);
+                        Step::Sum1 { o, a, w }
+                    }
+                    [a, b] => {
+                        let w = weights.within(at, &parts);
+                        Step::Sum2 { o, a, b, w }
+                    }
+                    [a, b, d] => {
+                        let w = weights.within(at, &parts);
+                        Step::Sum3 { o, a, b, d, w }
+                    }
                     _ => {
+                        let w = weights.push_all(&parts);
                         let (start, len) = (kernel.slots.len() as u32, slots.len() as u32);
                         kernel.slots.extend_from_slice(&slots);
                         Step::Sum { o, start, len, w }

@@ -9,16 +9,27 @@ use super::Engine;
 use super::instants::resolution_s;
 use crate::event::fatal;
 use crate::fault::RunFault;
+use crate::machine::Machine;
 
 /// Probes of one bracketing: bisection alone needs 60, every fourth probe bisects.
 const PROBES: usize = 250;
 
 impl Engine {
     fn witness(&self, nets: &[f64], margins: &mut [f64]) {
-        for (margin, e) in margins.iter_mut().zip(&self.machine.watched) {
+        let Machine {
+            watched,
+            levels,
+            elements,
+            ..
+        } = &self.machine;
+        let region = &self.frozen.region;
+        let (of_elements, of_levels) = margins.split_at_mut(watched.len() - levels.len());
+        for (margin, e) in of_elements.iter_mut().zip(watched) {
             let e = *e as usize;
-            let element = &self.machine.elements[e].1;
-            *margin = element.margin(self.frozen.region[e], &self.machine, nets);
+            *margin = elements[e].1.margin(region[e], &self.machine, nets);
+        }
+        for (margin, watch) in of_levels.iter_mut().zip(levels) {
+            *margin = watch.margin(region[watch.element as usize], nets);
         }
     }
 
@@ -34,7 +45,7 @@ impl Engine {
             self.attempt(t_s - self.t_s);
             self.complete(t_s);
         } else {
-            self.look((t_s - self.step.t0_s) / self.step.h_s);
+            self.look_at_witnesses((t_s - self.step.t0_s) / self.step.h_s);
         }
         let mut margins = std::mem::take(&mut self.margins);
         self.witness(
@@ -122,6 +133,16 @@ impl Engine {
     /// Where the parabola of a witness through start, middle and end rises above its
     /// surface, if one does: the place of a graze. The middle is in `margins`.
     fn nearest_approach(&self) -> Option<f64> {
+        // A parabola rises above the greatest of its three points by an eighth of their
+        // second difference at most: nearly every witness is done with here.
+        let near = |((low, middle), high): ((&f64, &f64), &f64)| {
+            let rise = (0.125 * (2.0 * middle - low - high)).max(0.0);
+            low.max(*middle).max(*high) + rise > 0.0
+        };
+        let witnesses = self.margins_low.iter().zip(&self.margins);
+        if !witnesses.zip(&self.margins_high).any(near) {
+            return None;
+        }
         let mut best: Option<(f64, f64)> = None;
         for ((low, middle), high) in self
             .margins_low

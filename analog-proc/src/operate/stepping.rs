@@ -229,8 +229,16 @@ impl Engine {
         self.delay_samples = samples;
     }
 
+    /// Brings what witnesses read of `probe` to the instant `theta` of the step.
+    pub(super) fn look_at_witnesses(&mut self, theta: f64) {
+        self.step.dense(theta, &mut self.probe);
+        let t_s = self.step.t0_s + theta * self.step.h_s;
+        self.machine.seen(&self.frozen, t_s, &mut self.probe);
+        self.step.evaluations += 1;
+    }
+
     /// Brings `probe` to the instant `theta` of the step.
-    pub(super) fn look(&mut self, theta: f64) {
+    fn look(&mut self, theta: f64) {
         self.step.dense(theta, &mut self.probe);
         let t_s = self.step.t0_s + theta * self.step.h_s;
         self.machine.outputs(&self.frozen, t_s, &mut self.probe);

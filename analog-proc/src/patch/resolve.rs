@@ -4,12 +4,15 @@
 //! be understood, so that the later stages can look at the rest of the patch
 //! without repeating the fault. A draft with faults never becomes a checked net.
 
+use super::catalogue::{self, Arity};
 use super::coefficient::{FactorValue, parse};
 use super::diagnostic::PatchFault;
 use super::faults::{Faults, suggestion};
 use super::fields::Fields;
-use super::kinds::{self, Arity};
-use super::scope::{self, Instances, Scope, Stub, bad_coefficient, evaluate, part_of};
+use super::kinds;
+use super::number::{self, bad_coefficient, evaluate, part_of};
+use super::scope::{self, Instances, Scope, Stub};
+use super::settings;
 use super::text::{BlockText, PatchText};
 use super::value::{Data, Entry, Value};
 use crate::net::{Block, BlockId, Expected, Input, Integration, Kind, Net, NetId, Netlist, Span};
@@ -174,7 +177,7 @@ impl<'a> Resolver<'a> {
 
     /// A number in a scope.
     pub(crate) fn number(&mut self, scope: usize, field: &str, value: &Value) -> Option<f64> {
-        scope::number(
+        number::number(
             field,
             value,
             &self.instances.scopes[scope].params,
@@ -185,7 +188,7 @@ impl<'a> Resolver<'a> {
     /// A weighted input in a scope.
     pub(crate) fn input(&mut self, scope: usize, field: &str, value: &Value) -> Option<Input> {
         let Data::Text(text) = &value.data else {
-            scope::wrong_type(
+            number::wrong_type(
                 field,
                 "the name of a net in quotes, such as \"-2 * x\"",
                 value,
@@ -217,7 +220,7 @@ impl<'a> Resolver<'a> {
         let (net, weight) = self.net(scope, name, place(last.range.clone()))?;
         let coefficient = coefficient? * weight;
         if !coefficient.is_finite() {
-            scope::not_finite(field, value.span, self.faults);
+            number::not_finite(field, value.span, self.faults);
             return None;
         }
         Some(Input {
@@ -307,9 +310,9 @@ impl<'a> Resolver<'a> {
         let (mut kind, mut inputs, mut max, mut note) = (None, Vec::new(), None, None);
         if let Some((word, word_span)) = &text.kind {
             let mut fields = Fields::new(self, scope, &name, text.span, &text.fields);
-            match kinds::arity(word) {
+            match catalogue::arity(word) {
                 None => {
-                    let help = suggestion(word, "kinds", kinds::names());
+                    let help = suggestion(word, "kinds", catalogue::names());
                     fields
                         .resolver
                         .faults
@@ -352,7 +355,7 @@ impl<'a> Resolver<'a> {
 
     fn integration(&mut self, entries: &[Entry]) -> Integration {
         let mut fields = Fields::new(self, 0, "[integration]", Span::default(), entries);
-        let integration = kinds::integration(&mut fields);
+        let integration = settings::integration(&mut fields);
         fields.finish("[integration]");
         integration.unwrap_or_default()
     }
@@ -361,7 +364,7 @@ impl<'a> Resolver<'a> {
         let mut out = Vec::new();
         for entry in entries {
             let Data::Table(table) = &entry.value.data else {
-                scope::wrong_type(
+                number::wrong_type(
                     &entry.key,
                     "a table such as { output = 1.0, tolerance = 1e-9 }",
                     &entry.value,
@@ -434,7 +437,7 @@ fn inputs_of(fields: &mut Fields<'_, '_>, arity: Arity, kind: &str) -> Vec<Input
         // A single input may stand without brackets.
         Data::Text(_) => vec![&entry.value],
         _ => {
-            scope::wrong_type(
+            number::wrong_type(
                 "in",
                 "a list of nets such as [\"x\", \"-2 * y\"]",
                 &entry.value,

@@ -5,11 +5,11 @@
 //! given: its parameters and its ports.
 
 use super::bundle::join;
-use super::coefficient::{FactorValue, Product, parse};
 use super::diagnostic::PatchFault;
 use super::faults::{Faults, suggestion};
+use super::number::{not_finite, number};
 use super::text::{PatchText, UseText};
-use super::value::{Data, Entry, Value};
+use super::value::Entry;
 use crate::net::Span;
 use miette::LabeledSpan;
 use std::collections::{HashMap, HashSet};
@@ -73,158 +73,6 @@ pub(crate) fn expand(
     expander.out
 }
 
-/// Value of a product of numbers and parameters. `range` is the place of the string's content.
-pub(crate) fn evaluate(
-    product: &Product<'_>,
-    skip_last: bool,
-    params: &HashMap<String, Option<f64>>,
-    place: &dyn Fn(std::ops::Range<usize>) -> Span,
-    field: &str,
-    faults: &mut Faults,
-) -> Option<f64> {
-    let factors = &product.factors[..product.factors.len() - usize::from(skip_last)];
-    let mut value = Some(if product.negative { -1.0 } else { 1.0 });
-    for factor in factors {
-        let at = place(factor.range.clone());
-        let next = match factor.value {
-            FactorValue::Number(number) if number.is_finite() => Some(number),
-            FactorValue::Number(_) => {
-                not_finite(field, at, faults);
-                None
-            }
-            FactorValue::Name(name) => match params.get(name) {
-                Some(value) => *value,
-                None if matches!(name.to_ascii_lowercase().as_str(), "nan" | "inf") => {
-                    not_finite(field, at, faults);
-                    None
-                }
-                None => {
-                    unknown_param(name, at, params, faults);
-                    None
-                }
-            },
-        };
-        value = value.zip(next).map(|(a, b)| a * b);
-    }
-    if value.is_some_and(|v| !v.is_finite()) {
-        not_finite(field, place(0..usize::MAX), faults);
-        value = None;
-    }
-    value
-}
-
-/// Place of a part of a quoted string, or the whole string if it has escapes.
-pub(crate) fn part_of(
-    faults: &Faults,
-    whole: Span,
-    content: &str,
-) -> impl Fn(std::ops::Range<usize>) -> Span + use<> {
-    let is_plain = faults
-        .sources
-        .text(whole)
-        .get(1..)
-        .is_some_and(|text| text.starts_with(content));
-    let length = content.len();
-    move |range| {
-        if !is_plain || range.end > length {
-            return whole;
-        }
-        let offset = |i: usize| whole.start + 1 + u32::try_from(i).unwrap_or(0);
-        Span {
-            file: whole.file,
-            start: offset(range.start),
-            end: offset(range.end),
-        }
-    }
-}
-
-pub(crate) fn not_finite(field: &str, at: Span, faults: &mut Faults) {
-    let field = field.to_owned();
-    faults.push(at, |src, at| PatchFault::NotFinite {
-        src,
-        at,
-        field,
-        help: "use a finite number; infinity and NaN have no place on the patch board".into(),
-    });
-}
-
-/// A number, or a product of numbers and parameters in quotes.
-pub(crate) fn number(
-    field: &str,
-    value: &Value,
-    params: &HashMap<String, Option<f64>>,
-    faults: &mut Faults,
-) -> Option<f64> {
-    match &value.data {
-        Data::Number { value: number, .. } => {
-            if number.is_finite() {
-                return Some(*number);
-            }
-            not_finite(field, value.span, faults);
-            None
-        }
-        Data::Text(text) => {
-            let place = part_of(faults, value.span, text);
-            match parse(text) {
-                Ok(product) => evaluate(&product, false, params, &place, field, faults),
-                Err(error) => {
-                    bad_coefficient(text, place(error.range), error.why, error.help, faults);
-                    None
-                }
-            }
-        }
-        _ => {
-            wrong_type(field, "a number or a parameter", value, faults);
-            None
-        }
-    }
-}
-
-pub(crate) fn bad_coefficient(
-    text: &str,
-    at: Span,
-    why: &'static str,
-    help: &str,
-    faults: &mut Faults,
-) {
-    faults.push(at, |src, at| PatchFault::BadCoefficient {
-        src,
-        at,
-        text: text.to_owned(),
-        why,
-        help: help.to_owned(),
-    });
-}
-
-pub(crate) fn wrong_type(field: &str, wanted: &'static str, value: &Value, faults: &mut Faults) {
-    faults.push(value.span, |src, at| PatchFault::WrongType {
-        src,
-        at,
-        help: format!("write {wanted}"),
-        field: field.to_owned(),
-        wanted,
-        found: value.type_name(),
-    });
-}
-
-fn unknown_param(name: &str, at: Span, params: &HashMap<String, Option<f64>>, faults: &mut Faults) {
-    let help = suggestion(name, "parameters so far", sorted(params));
-    faults.push(at, |src, at| PatchFault::UnknownParam {
-        src,
-        at,
-        param: name.to_owned(),
-        help: format!(
-            "{help}; a parameter may use those above it, and nets cannot be coefficients (a `multiplier` takes two nets)"
-        ),
-    });
-}
-
-fn sorted(params: &HashMap<String, Option<f64>>) -> Vec<&str> {
-    let mut names: Vec<&str> = params.keys().map(String::as_str).collect();
-    names.sort_unstable();
-    names
-}
-
 struct Expander<'a> {
     names: &'a HashMap<&'a str, u32>,
     texts: &'a [PatchText],
@@ -264,7 +112,11 @@ impl Expander<'_> {
     }
 
     /// Tells of each port once; what reads it is no further fault.
-    fn unbound_root_ports(&mut self, root: u32, text: &PatchText) -> HashMap<String, Option<Entry>> {
+    fn unbound_root_ports(
+        &mut self,
+        root: u32,
+        text: &PatchText,
+    ) -> HashMap<String, Option<Entry>> {
         for (port, at) in &text.ports {
             let file = self.faults.sources.name(root).to_owned();
             self.faults.push(*at, |src, at| PatchFault::UnboundPort {

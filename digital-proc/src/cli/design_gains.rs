@@ -14,7 +14,7 @@ use crate::{
             bench::PitchBench,
             criteria::Criteria,
             design::{Design, DesignFault, EFFORT, design},
-            evaluate::{PointQuality, evaluate, worst},
+            evaluate::{PointQuality, accepted, evaluate, worst},
             merge::{MergeFault, Merging, Trial, merge},
             schedule::as_toml,
             search::Effort,
@@ -135,22 +135,31 @@ impl DesignGains {
             .iter()
             .zip(all.re_evaluated.iter().map(Vec::as_slice))
             .collect();
-        let reduced = levels
+        let fewest = levels
             .last()
             .map_or(&all.design.schedule, |l| &l.0.schedule);
-        let text = format!(
-            "{}\n{}",
-            as_toml(
-                "gains",
-                "designed here; K_phi, T_phi, decoupled_yaw_* stay as they are",
-                &all.design.schedule
-            ),
-            as_toml(
-                "gains_reduced",
-                "fewest switchings accepted by flights",
-                reduced
-            )
+        let reduced = levels
+            .iter()
+            .rev()
+            .find(|(_, points)| accepted(points))
+            .map_or(fewest, |(trial, _)| &trial.schedule);
+        let designed = as_toml(
+            "gains",
+            "designed here; K_phi, T_phi, decoupled_yaw_* stay as they are",
+            &all.design.schedule,
         );
+        let both = as_toml(
+            "gains_reduced",
+            "fewest switchings accepted by flights and by the short-period model",
+            reduced,
+        );
+        let flights = as_toml(
+            "gains_reduced",
+            "fewest switchings accepted by flights alone",
+            fewest,
+        );
+        let commented: String = flights.lines().map(|l| format!("# {l}\n")).collect();
+        let text = format!("{designed}\n{both}\n{commented}");
         let file = run.file("gains.toml", &text)?;
         let data = vehicle.data();
         let shipped = data.gains.schedule();
@@ -178,17 +187,14 @@ impl DesignGains {
             all.design.runs,
             design_table(&all.design).text()
         );
-        println!(
-            "{}",
-            as_toml("gains", "designed here", &all.design.schedule)
-        );
+        println!("{designed}");
         println!("{}", as_toml("gains", "shipped", &shipped));
         println!(
             "Fewer switchings by {} trial flights\n{}",
             all.merging.flights,
             merging_table(&levels).text()
         );
-        println!("{}", as_toml("gains_reduced", "merged here", reduced));
+        println!("{both}\n{flights}");
         println!(
             "{}",
             as_toml("gains_reduced", "shipped", &data.gains_reduced)

@@ -1,8 +1,6 @@
 //! Why a command did not do what it was asked, with its exit code.
 
-use crate::{
-    console::ConsoleFault, launch::LaunchFault, study::long_period::run::StudyFault,
-};
+use crate::{console::ConsoleFault, launch::LaunchFault, study::long_period::run::StudyFault};
 use interface::link::LinkFault;
 
 /// Exit code for a claim or check that failed.

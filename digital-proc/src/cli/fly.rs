@@ -26,7 +26,7 @@ use crate::{
     vehicle::Vehicle,
 };
 use clap::ValueEnum;
-use interface::{Tick, profile::Profile};
+use interface::{Tick, frame::Samples, profile::Profile};
 use std::{collections::BTreeMap, path::PathBuf, time::SystemTime};
 
 /// Rows in one batch of the trace: what a crash may cost.
@@ -149,10 +149,8 @@ impl Fly {
         let stop_s = plan.stop.secs();
         let mut progress = Progress::new(stop_s as u64, "s of flight");
         let mut saturations = Saturations::default();
-        let flown = stage.fly_timed(&mut console, &vehicle, &plan, timing, |frame, result| {
-            progress.at(result.sample.time_s as u64);
-            saturations.note(frame);
-            let unwritten = |e: TraceError| FlightFault::Observer(e.to_string());
+        let unwritten = |e: TraceError| FlightFault::Observer(e.to_string());
+        let told = |frame: &Samples| {
             if let Some((transfers, pacing)) = &mut paced {
                 pacing.observe(frame);
                 for transfer in frame.transfers() {
@@ -161,9 +159,21 @@ impl Fly {
                         .map_err(unwritten)?;
                 }
             }
-            rows.push(frame.tick, &trace::row(frame, result))
-                .map_err(unwritten)
-        });
+            Ok(())
+        };
+        let flown = stage.fly_timed(
+            &mut console,
+            &vehicle,
+            &plan,
+            timing,
+            told,
+            |frame, result| {
+                progress.at(result.sample.time_s as u64);
+                saturations.note(frame);
+                rows.push(frame.tick, &trace::row(frame, result))
+                    .map_err(unwritten)
+            },
+        );
         progress.done();
         let closed = rows.finish();
         let pacing = match paced {
@@ -173,7 +183,13 @@ impl Fly {
             }
             None => None,
         };
-        let summary = flown.map_err(|fault| keep(fault.into()))?;
+        let summary = flown.map_err(|fault| {
+            let failure = keep(fault.into());
+            match &pacing {
+                Some(pacing) => failure.and(pacing_text(pacing)),
+                None => failure,
+            }
+        })?;
         closed.map_err(Failure::input)?;
         let overloads = console.diagnose()?.overloads;
         let saturated = saturations.names(console.channels());

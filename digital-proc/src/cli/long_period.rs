@@ -96,10 +96,21 @@ impl LongPeriod {
             );
         } else {
             println!("Design case\n{}", mode_table(&results).text());
-            println!("Largest Q alpha\n{}", load_table(&results).text());
-            println!("Side-force fluid\n{}", fuel_table(&results).text());
+            println!(
+                "Largest Q alpha over wind and pitch misalignment (fractions of 3 sigma)\n{}",
+                load_table(&results).text()
+            );
+            println!(
+                "Side-force fluid over the same\n{}",
+                fuel_table(&results).text()
+            );
             println!("{}.\n", fuel_words(&results));
             println!("{}", report::claims_text(&shown));
+            for claim in claims.iter().filter(|c| c.verdict == Verdict::Holds) {
+                if let Some(remark) = &claim.remark {
+                    println!("{}: {remark}", claim.id);
+                }
+            }
             println!("report: {}", page.display());
         }
         let failed: Vec<&str> = claims

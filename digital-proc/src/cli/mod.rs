@@ -6,6 +6,7 @@
 mod case_study;
 mod design_gains;
 mod failure;
+mod failures;
 mod fly;
 mod long_period;
 mod replay;
@@ -66,6 +67,8 @@ enum Command {
     Sampling(sampling::Sampling),
     /// Fly every mode of the failure file and judge the claims about trajectory and loads
     LongPeriod(long_period::LongPeriod),
+    /// List the modes of a failure file, or print the shipped one to start from
+    Failures(failures::Failures),
     /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
     DesignGains(design_gains::DesignGains),
     /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
@@ -166,6 +169,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         Command::ShortPeriod(c) => c.execute(&context),
         Command::Sampling(c) => c.execute(&context),
         Command::LongPeriod(c) => c.execute(&context),
+        Command::Failures(c) => c.execute(),
         Command::DesignGains(c) => c.execute(&context),
         Command::Sensitivity(c) => c.execute(&context),
     };

@@ -2,17 +2,18 @@
 
 use super::{Context, Failure, JoinArgs, failure::CHECK_FAILED, fly::BATCH_ROWS};
 use crate::{
-    console::Console,
+    console::{Console, ConsoleFault},
     flight::{
-        FlightFault, Stage, Timing,
+        FlightFault, Stage, Timing, TransferLog,
         plan_record::{Pace, PlanRecord},
         trace,
     },
     progress::Progress,
     run_dir::{
-        DEFAULT_BASE, RECORD_FILE, RunDirectory, TRACE_FILE, TRANSFERS_FILE, Trace, TraceWriter,
-        first_difference, resolve,
+        DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
+        TRANSFERS_FILE, Trace, TraceWriter, first_difference, resolve,
     },
+    study::fault::Source,
 };
 use serde_json::json;
 use std::path::PathBuf;
@@ -43,7 +44,17 @@ pub struct Replay {
 impl Replay {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let directory = resolve(&self.runs, &self.run).map_err(Failure::input)?;
-        let record = directory.read_record().map_err(Failure::input)?;
+        let path = directory.file(RECORD_FILE);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
+        let record: RunRecord = toml::from_str(&text).map_err(|error| {
+            let file = path.display().to_string();
+            let source = Source {
+                file: &file,
+                text: &text,
+            };
+            Failure::input(source.reader_fault(&error))
+        })?;
         if record.command.split(' ').next() != Some("fly") {
             return Err(Failure::input(format!(
                 "`{}` is a run of `{}`; only flights can be replayed",
@@ -51,9 +62,6 @@ impl Replay {
                 record.command
             )));
         }
-        let path = directory.file(RECORD_FILE);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
         let plan_record = PlanRecord::from_run_toml(&path, &text).map_err(Failure::input)?;
         let in_record = |fault: crate::flight::plan_record::PlanFault| {
             Failure::input(format!("{}: {fault}", path.display()))
@@ -94,40 +102,49 @@ impl Replay {
             Some((log, _)) => Timing::Replay(log),
         };
         let mut progress = Progress::new(plan.stop.secs() as u64, "s of flight");
-        let flown = stage.fly_timed(&mut console, &vehicle, &plan, timing, |frame, result| {
-            progress.at(result.sample.time_s as u64);
-            rows.push(frame.tick, &trace::row(frame, result))
-                .map_err(|e| FlightFault::Observer(e.to_string()))
-        });
+        let flown = stage.fly_timed(
+            &mut console,
+            &vehicle,
+            &plan,
+            timing,
+            |_| Ok(()),
+            |frame, result| {
+                progress.at(result.sample.time_s as u64);
+                rows.push(frame.tick, &trace::row(frame, result))
+                    .map_err(|e| FlightFault::Observer(e.to_string()))
+            },
+        );
         progress.done();
         let closed = rows.finish();
-        // A run that was cut off by a fault of its own is cut off by the same one here.
-        match flown {
-            Err(FlightFault::Console(crate::console::ConsoleFault::Link(fault))) => {
-                return Err(fault.into());
-            }
-            Err(fault) if recorded.is_complete() => return Err(fault.into()),
-            _ => {}
-        }
+        // A flight that was lost is lost here too, at the same frame.
+        let lost = match flown {
+            Ok(_) => None,
+            Err(FlightFault::Console(ConsoleFault::Link(fault))) => return Err(fault.into()),
+            Err(fault) => Some(fault.to_string()),
+        };
         closed.map_err(Failure::input)?;
         console.bye()?;
         drop(machine);
 
         let replayed = Trace::from_bytes(&bytes, &trace_path).map_err(Failure::input)?;
-        let rows = comparable_rows(
-            &recorded,
-            transfers.as_ref().map(|(log, done)| (log, *done)),
-        );
-        self.tell(&directory, &recorded, &replayed, rows)
+        // A run that failed or was killed has no summary; the transfers of its last
+        // instants may not have been told.
+        let ended = directory.file(SUMMARY_FILE).is_file() && recorded.is_complete();
+        let rows = if ended {
+            usize::MAX
+        } else {
+            rows_of_a_run_cut_off(&recorded, transfers.as_ref())
+        };
+        self.tell(&directory, [&recorded, &replayed], rows, lost)
     }
 
     /// Says whether the two are one.
     fn tell(
         &self,
         directory: &RunDirectory,
-        recorded: &Trace,
-        replayed: &Trace,
+        [recorded, replayed]: [&Trace; 2],
         rows: usize,
+        lost: Option<String>,
     ) -> Result<(), Failure> {
         let difference = first_difference(recorded, replayed, rows);
         let compared = recorded.rows().min(rows);
@@ -136,6 +153,7 @@ impl Replay {
                 "run": directory.name(),
                 "identical": difference.is_none(),
                 "rows": compared,
+                "lost": lost,
                 "difference": difference.as_ref().map(ToString::to_string),
             });
             println!("{result:#}");
@@ -147,6 +165,9 @@ impl Replay {
                         "identical: {compared} rows of {} columns",
                         recorded.columns().len()
                     );
+                    if let Some(lost) = lost {
+                        println!("the flight was lost: {lost}");
+                    }
                     if compared < replayed.rows() {
                         println!("the recorded run was cut off there");
                     }
@@ -161,18 +182,14 @@ impl Replay {
     }
 }
 
-/// Rows that a run and its replay must share: all of a run that ended; of one that was
-/// cut off those written, up to its last known transfer.
-fn comparable_rows(
-    recorded: &Trace,
-    transfers: Option<(&crate::flight::TransferLog, bool)>,
-) -> usize {
+/// Rows that a run that was cut off must share with its replay: those written, up to the
+/// last known transfer when more may have taken effect.
+fn rows_of_a_run_cut_off(recorded: &Trace, transfers: Option<&(TransferLog, bool)>) -> usize {
     match transfers {
         Some((log, false)) => {
             let known = log.transfers().last().map_or(i64::MIN, |t| t.tick.0);
             recorded.ticks().partition_point(|tick| *tick <= known)
         }
-        _ if recorded.is_complete() => usize::MAX,
         _ => recorded.rows(),
     }
 }

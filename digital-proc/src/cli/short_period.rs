@@ -150,10 +150,16 @@ impl Runs {
             "remarks": outcome.remarks(),
         });
         directory.write_summary(&summary).map_err(Failure::input)?;
-        let title = match &self.point {
-            Some(point) => format!("Short period: {command} at {point}"),
-            None => format!("Short period: {command}"),
+        let loops = if outcome.plan.pitch.is_empty() {
+            "Yaw and roll loops"
+        } else {
+            "Pitch loop"
         };
+        let place = self.point.as_deref().unwrap_or("all trajectory points");
+        let title = format!(
+            "{loops}, short period: {place}, condition {}",
+            self.condition
+        );
         let html = short_period_report(&title, &outcome, &record);
         let report = directory.write_report(&html).map_err(Failure::input)?;
 

@@ -179,10 +179,18 @@ impl Stage {
         plan: &FlightPlan,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
-        self.fly_timed(console, vehicle, plan, Timing::LockStep, observe)
+        self.fly_timed(
+            console,
+            vehicle,
+            plan,
+            Timing::LockStep,
+            |_| Ok(()),
+            observe,
+        )
     }
 
-    /// As [`Stage::fly`], free-running or as it was recorded.
+    /// As [`Stage::fly`], free-running or as it was recorded. `told` hears of every frame
+    /// that came, also of those in which the flight was lost already.
     ///
     /// # Errors
     /// As [`Stage::fly`].
@@ -192,6 +200,7 @@ impl Stage {
         vehicle: &Vehicle,
         plan: &FlightPlan,
         timing: Timing<'_>,
+        told: impl FnMut(&Samples) -> Result<(), FlightFault>,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
         let parameters = parameters(vehicle);
@@ -201,7 +210,7 @@ impl Stage {
         }
         let nothing = |_: &Samples, _: &FrameResult, _: &mut Updates| ();
         let with = (vehicle, &self.channels);
-        fly_loaded(console, with, plan, timing, nothing, observe)
+        fly_loaded(console, with, plan, timing, nothing, (told, observe))
     }
 
     /// As [`Stage::fly`], with a further digital task on a patch that has more channels than the
@@ -218,7 +227,8 @@ impl Stage {
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
         let with = (vehicle, &self.channels);
-        fly_loaded(console, with, plan, Timing::LockStep, task, observe)
+        let told = |_: &Samples| Ok(());
+        fly_loaded(console, with, plan, Timing::LockStep, task, (told, observe))
     }
 }
 
@@ -242,7 +252,10 @@ fn fly_loaded(
     plan: &FlightPlan,
     timing: Timing<'_>,
     mut task: impl FnMut(&Samples, &FrameResult, &mut Updates),
-    mut observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    (mut told, mut observe): (
+        impl FnMut(&Samples) -> Result<(), FlightFault>,
+        impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+    ),
 ) -> Result<FlightSummary, FlightFault> {
     let frame = plan
         .slow
@@ -304,9 +317,18 @@ fn fly_loaded(
             Ok(None)
         },
         |samples, result| {
-            if let Some(result) = result {
-                monitor.observe(&result.sample, result.edges);
-                observe(samples, &result).unwrap_or_else(|fault| lost.set(Some(fault)));
+            let keep = || {
+                told(samples)?;
+                if let Some(result) = result {
+                    monitor.observe(&result.sample, result.edges);
+                    observe(samples, &result)?;
+                }
+                Ok(())
+            };
+            if let Err(fault) = keep()
+                && !is_lost()
+            {
+                lost.set(Some(fault));
             }
             Ok(())
         },

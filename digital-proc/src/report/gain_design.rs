@@ -57,7 +57,7 @@ fn number(value: Option<f64>) -> Cell {
     value.map_or_else(|| Cell::Text("diverged".into()), Cell::Number)
 }
 
-fn quality_headings() -> [Heading; 7] {
+fn quality_headings() -> [Heading; 8] {
     [
         Heading::new("Overshoot", "%").digits(3),
         Heading::new("Settling", "s").digits(3),
@@ -65,11 +65,12 @@ fn quality_headings() -> [Heading; 7] {
         Heading::new("Error", "%").digits(3),
         Heading::new("Bending left", "%").digits(3),
         Heading::new("Least bending damping", "").digits(2),
+        Heading::new("Gain margin", "dB").digits(2),
         Heading::new("TVC use", "%").digits(3),
     ]
 }
 
-fn quality_cells(q: &LoopQuality) -> [Cell; 7] {
+fn quality_cells(q: &LoopQuality) -> [Cell; 8] {
     let percent = |v: Option<f64>| number(v.map(|v| 100.0 * v));
     [
         percent(q.overshoot),
@@ -78,6 +79,7 @@ fn quality_cells(q: &LoopQuality) -> [Cell; 7] {
         percent(q.error),
         percent(q.bending_decay),
         q.bending_damping.into(),
+        q.gain_margin_db.into(),
         (100.0 * q.tvc_use).into(),
     ]
 }
@@ -157,6 +159,11 @@ pub fn criteria_table(criteria: &Criteria) -> Table {
             "bending damping ratio, linearised loop (at least)",
             criteria.bending_damping,
             "",
+        ),
+        (
+            "gain margin, linearised loop (at least)",
+            criteria.gain_margin_db,
+            "dB",
         ),
     ] {
         table.row([name.into(), value.into(), unit.into()]);

@@ -6,7 +6,9 @@ use super::{
     plot::{Axis, Limit, LineChart, Series, Size, line_chart},
     side_by_side,
 };
-use crate::study::long_period::results::{Flown, History, LongPeriodResults, ModeResult};
+use crate::study::long_period::results::{
+    FlightWind, Flown, History, LongPeriodResults, ModeResult,
+};
 use maud::{Markup, html};
 
 /// Curves that one chart can carry before they hide each other.
@@ -56,13 +58,13 @@ fn lost(flown: &Flown) -> Cell {
     .into()
 }
 
-/// Largest Qα (kPa·°) of every mode over misalignments and winds.
+/// Largest Qα (kPa·°) of every mode over winds and misalignments (fractions of 3σ).
 #[must_use]
 pub fn load_table(results: &LongPeriodResults) -> Table {
     by_flight(results, "kPa·°", |f| f.max_q_alpha_padeg / 1e3)
 }
 
-/// Side-force fluid (kg) of every mode over misalignments and winds.
+/// Side-force fluid (kg) of every mode over winds and misalignments (fractions of 3σ).
 #[must_use]
 pub fn fuel_table(results: &LongPeriodResults) -> Table {
     by_flight(results, "kg", |f| f.injectant_kg)
@@ -77,7 +79,7 @@ fn by_flight(
     if let Some(first) = results.modes.first() {
         headings.extend(first.flights().map(|f| {
             Heading::new(
-                format!("{}, {:+} × 3σ", f.wind.words(), f.pitch_misalignment),
+                format!("{} {:+}", short(f.wind), f.pitch_misalignment),
                 unit,
             )
             .digits(3)
@@ -92,6 +94,15 @@ fn by_flight(
         table.row(std::iter::once(Cell::from(mode.name.as_str())).chain(cells));
     }
     table
+}
+
+/// A wind in a heading.
+fn short(wind: FlightWind) -> &'static str {
+    match wind {
+        FlightWind::Calm => "calm",
+        FlightWind::DesignCase => "design",
+        FlightWind::Reversed => "reversed",
+    }
 }
 
 /// The fuel sentence (objective v).
@@ -200,17 +211,16 @@ pub fn long_period_sections(
     end_s: f64,
 ) -> Vec<Section> {
     let mut numbering = Numbering::new();
-    let (mut load, mut charts) = (None, Vec::new());
-    for (id, label, chart) in variable_charts(results) {
-        let figure = |n: &mut Numbering| {
-            n.figure(id, &format!("{label} against time, all modes in the design case (after the paper's figure 6)."), chart.clone())
-        };
-        if id == "q-alpha" {
-            load = Some(figure(&mut numbering));
-        } else {
-            charts.push(figure(&mut numbering));
-        }
-    }
+    let caption = |label: &str| {
+        format!("{label} against time, all modes in the design case (after the paper's figure 6).")
+    };
+    let (loads, others): (Vec<_>, Vec<_>) = variable_charts(results)
+        .into_iter()
+        .partition(|(id, _, _)| *id == "q-alpha");
+    let mut figure =
+        |(id, label, chart): (&str, &str, Markup)| numbering.figure(id, &caption(label), chart);
+    let loads: Vec<Markup> = loads.into_iter().map(&mut figure).collect();
+    let charts: Vec<Markup> = others.into_iter().map(&mut figure).collect();
     let designed = schedule_charts(&[("designed", &results.designed)], end_s);
     let reduced = schedule_charts(
         &[
@@ -225,15 +235,12 @@ pub fn long_period_sections(
             "Modes",
             html! {
                 (numbering.table("modes", "Burn-out departure from the undisturbed flight, load and fuel, design case.", mode_table(results).markup()))
-                (numbering.table("loads", "Largest Qα over misalignments and winds.", load_table(results).markup()))
-                (numbering.table("fuel", "Side-force fluid over misalignments and winds.", fuel_table(results).markup()))
+                (numbering.table("loads", "Largest Qα over wind and pitch misalignment, the latter in fractions of 3σ.", load_table(results).markup()))
+                (numbering.table("fuel", "Side-force fluid over wind and pitch misalignment, the latter in fractions of 3σ.", fuel_table(results).markup()))
                 p { (fuel_words(results)) "." }
             },
         ),
-        Section::new(
-            "Load profiles",
-            html! { @if let Some(load) = &load { (load) } },
-        ),
+        Section::new("Load profiles", html! { @for load in &loads { (load) } }),
         Section::new("Monitored variables", side_by_side(&charts)),
         Section::new(
             "Gain schedules",

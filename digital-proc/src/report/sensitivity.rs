@@ -124,6 +124,14 @@ pub fn sensitivity_sections(
     let mut tornados = Vec::new();
     for point in points {
         for measure in [Measure::Overshoot, Measure::BendingLeft] {
+            // A loop that never overshoots shows nothing to rank.
+            let widest = point
+                .ranked(measure)
+                .first()
+                .map_or(0.0, |e| e.span(measure, &point.nominal));
+            if widest == 0.0 {
+                continue;
+            }
             let spec = tornado_of(point, measure);
             tornados.push(numbering.figure(
                 &super::anchor(&spec.title),

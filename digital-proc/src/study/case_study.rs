@@ -5,12 +5,12 @@
 //! something on purpose) decides what runs; judging is the studies' own.
 
 use super::claim::Claim;
+use super::gain_design::{bench::PitchBench, design::DesignFault};
 use super::long_period::{
     self,
     results::LongPeriodResults,
     run::{LongPeriodPlan, StudyFault},
 };
-use super::gain_design::{bench::PitchBench, design::DesignFault};
 use super::sensitivity::{
     dispersion_file::Dispersions,
     run::{PointSensitivity, loops, run as disperse},

@@ -43,7 +43,7 @@ impl Lowering {
                         low,
                         high,
                     });
-                    stops = Some(self.element(element, &[o]));
+                    stops = Some(self.element(element, &[o, rate.slot]));
                     terms = vec![rate];
                 }
                 self.rate(o, &terms);
@@ -84,7 +84,7 @@ impl Lowering {
             }
             Kind::TransportDelay { .. } => {
                 let input = self.sum(&block.inputs)?;
-                let line = self.m.fast.iter().find_map(|op| match op {
+                let line = self.fast.iter().find_map(|op| match op {
                     Op::Delay { o: out, line } if *out == o => Some(*line as usize),
                     _ => None,
                 });

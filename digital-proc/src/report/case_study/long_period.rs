@@ -3,9 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::gain_design::schedule_charts;
-use crate::report::long_period::{
-    fuel_table, fuel_words, load_table, mode_table, variable_charts,
-};
+use crate::report::long_period::{fuel_table, fuel_words, load_table, mode_table, variable_charts};
 use crate::report::{Numbering, Section, side_by_side};
 use crate::study::case_study::CaseResults;
 use crate::study::long_period::results::LongPeriodResults;

@@ -23,7 +23,7 @@ const PITCH: [Panel; 6] = [
     ("TVC force", "kN", 1e-3, 5),
 ];
 
-const YAW_ROLL: [Panel; 11] = [
+const YAW_ROLL: [Panel; 12] = [
     ("Yaw error ψ", "°", DEG, 0),
     ("Roll error φ", "°", DEG, 2),
     ("Tip 2", "°", DEG, 10),
@@ -34,6 +34,7 @@ const YAW_ROLL: [Panel; 11] = [
     ("Yaw rate", "°/s", DEG, 1),
     ("Roll rate", "°/s", DEG, 3),
     ("Yaw angle of attack", "°", DEG, 4),
+    ("Yaw angle-of-attack rate", "°/s", DEG, 5),
     ("First bending coordinate η", "mm", 1e3, 6),
 ];
 

@@ -2,7 +2,7 @@
 
 use crate::study::short_period::{
     coefficients::{Disturbance, PitchSettings, Plane},
-    linear::{ChannelGains, plane_roots},
+    linear::{ChannelGains, plane_matrix, plane_roots, roots},
     measure::{ENVELOPES, PITCH_BAND, RESIDUAL, SATURATED},
     metrics::{detrended_peak_to_peak, envelope, overshoot, settling_s},
     point::FrozenPoint,
@@ -33,6 +33,8 @@ pub struct LoopQuality {
     /// Least damping ratio of the bending mode in the linearised loop, with both
     /// channels at work or one alone.
     pub bending_damping: f64,
+    /// Factor in dB, up to 12, by which the loop gains may rise before an oscillation grows.
+    pub gain_margin_db: f64,
     /// Mean |F_T| of the disturbed run over its maximum.
     pub tvc_use: f64,
     /// Part of the disturbed run for which the tips are saturated.
@@ -54,6 +56,8 @@ pub struct Criteria {
     pub bending_decay: f64,
     /// Bending damping ratio that must be left.
     pub bending_damping: f64,
+    /// Gain margin that must be left, dB.
+    pub gain_margin_db: f64,
     /// Of the mean thrust-vector force.
     pub tvc_use: f64,
 }
@@ -68,6 +72,7 @@ impl Criteria {
         error: 0.60,
         bending_decay: 0.30,
         bending_damping: 0.004,
+        gain_margin_db: 6.0,
         tvc_use: 0.25,
     };
 
@@ -98,14 +103,16 @@ impl Criteria {
             .iter()
             .map(|(_, value, allowance)| part(value.map_or(MISSING, |v| v / allowance)))
             .sum();
-        let margin_missing = (1.0 - q.bending_damping / self.bending_damping).max(0.0);
-        measured + EXCESS * margin_missing
+        let missing = (1.0 - q.bending_damping / self.bending_damping).max(0.0)
+            + (1.0 - q.gain_margin_db / self.gain_margin_db).max(0.0);
+        measured + EXCESS * missing
     }
 
     /// Whether every allowance is kept.
     #[must_use]
     pub fn met(&self, q: &LoopQuality) -> bool {
         q.bending_damping >= self.bending_damping
+            && q.gain_margin_db >= self.gain_margin_db
             && self
                 .listed(q)
                 .iter()
@@ -137,6 +144,51 @@ pub fn least_bending_damping(plane: &Plane) -> f64 {
         .filter_map(|gains| plane_roots(plane, gains).bending)
         .map(|root| root.damping())
         .fold(f64::INFINITY, f64::min)
+}
+
+/// Gain margin of the linearised loop, dB: the factor by which all its gains may
+/// rise before a root faster than the drift grows, looked for up to 12 dB. Both
+/// channels together, and the tips alone where there are tips; the injection alone
+/// is a failure state there and has no margin to keep.
+#[must_use]
+pub fn gain_margin_db(plane: &Plane) -> f64 {
+    const MOST_DB: f64 = 12.0;
+    /// Roots below this are the slow drift of the flight path.
+    const DRIFT_RADPS: f64 = 0.5;
+    /// Halvings of 12 dB: to 0.05 dB.
+    const HALVINGS: usize = 8;
+    let mut states = vec![ChannelGains::BOTH];
+    if plane.ftc_gain != 0.0 {
+        states.push(ChannelGains::FTC_ONLY);
+    }
+    let grows = |margin_db: f64| {
+        let factor = 10f64.powf(margin_db / 20.0);
+        states.iter().any(|state| {
+            let raised = ChannelGains {
+                ftc: factor * state.ftc,
+                tvc: factor * state.tvc,
+            };
+            roots(&plane_matrix(plane, raised))
+                .iter()
+                .any(|r| r.real > 0.0 && r.frequency_radps() > DRIFT_RADPS)
+        })
+    };
+    if !grows(MOST_DB) {
+        return MOST_DB;
+    }
+    let (mut stable, mut unstable) = (0.0, MOST_DB);
+    if grows(stable) {
+        return 0.0;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (stable + unstable);
+        if grows(middle) {
+            unstable = middle;
+        } else {
+            stable = middle;
+        }
+    }
+    stable
 }
 
 impl LoopQuality {
@@ -186,8 +238,79 @@ impl LoopQuality {
                 Some(at(1)? / first)
             })(),
             bending_damping: least_bending_damping(plane),
+            gain_margin_db: gain_margin_db(plane),
             tvc_use: mean(disturbed.tvc_force_n()) / plane.tvc_limit,
             tip_saturation: saturated as f64 / disturbed.len().max(1) as f64,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::short_period::point::tests::numbered;
+
+    fn plane() -> Plane {
+        Plane::new(&numbered(), &Disturbance::NONE)
+    }
+
+    #[test]
+    fn the_gain_margin_is_where_an_oscillation_begins_to_grow() {
+        let margin_db = gain_margin_db(&plane());
+        assert!(margin_db > 0.0 && margin_db < 12.0, "{margin_db}");
+        let mut raised = plane();
+        // Raising every gain by 3 dB takes 3 dB of the margin, to the bisection's
+        // last half, 12/2⁸ dB, on either side.
+        let factor = 10f64.powf(3.0 / 20.0);
+        raised.ftc_gain *= factor;
+        raised.tvc_gain *= factor;
+        let left_db = gain_margin_db(&raised);
+        assert!(
+            (margin_db - left_db - 3.0).abs() < 0.1,
+            "{margin_db} {left_db}"
+        );
+        let mut reversed = plane();
+        reversed.ftc_lead = -reversed.ftc_lead;
+        assert_eq!(gain_margin_db(&reversed), 0.0);
+    }
+
+    #[test]
+    fn a_missing_measure_costs_more_than_any_kept_allowance() {
+        let kept = LoopQuality {
+            overshoot: Some(0.2),
+            settling_s: Some(3.0),
+            residual: Some(0.03),
+            error: Some(0.6),
+            bending_decay: Some(0.3),
+            bending_damping: 0.004,
+            gain_margin_db: 6.0,
+            tvc_use: 0.25,
+            tip_saturation: 0.0,
+        };
+        let criteria = Criteria::DESIGN;
+        // Six measures, each at its allowance.
+        assert_eq!(criteria.cost(&kept), 6.0);
+        assert!(criteria.met(&kept));
+        for worse in [
+            LoopQuality {
+                residual: None,
+                ..kept
+            },
+            LoopQuality {
+                overshoot: Some(0.21),
+                ..kept
+            },
+            LoopQuality {
+                gain_margin_db: 5.0,
+                ..kept
+            },
+            LoopQuality {
+                bending_damping: 0.0,
+                ..kept
+            },
+        ] {
+            assert!(!criteria.met(&worse));
+            assert!(criteria.cost(&worse) > 6.0);
         }
     }
 }

@@ -71,6 +71,12 @@ pub fn evaluate(
         .collect()
 }
 
+/// Whether a schedule is accepted at every point.
+#[must_use]
+pub fn accepted(points: &[PointQuality]) -> bool {
+    points.iter().all(PointQuality::accepted)
+}
+
 /// The point of the greatest overshoot; a missing one counts as the greatest.
 #[must_use]
 pub fn worst(points: &[PointQuality]) -> Option<&PointQuality> {

@@ -99,9 +99,9 @@ pub enum Occurrence {
     /// A converter or coefficient unit was driven beyond its range.
     #[error("a converter was saturated")]
     Saturated,
-    /// Blocks were overloaded.
-    #[error("{0} blocks were overloaded")]
-    Overloaded(u32),
+    /// Blocks were overloaded: their names, in order of time.
+    #[error("overloaded: {}", .0.join(", "))]
+    Overloaded(Vec<String>),
 }
 
 /// The machine's answers in the plan's order.
@@ -254,7 +254,12 @@ impl<const N: usize> Bench<N> {
         });
         let mut seen = Vec::new();
         match ended {
-            Ok(last) if last.overloads > 0 => seen.push(Occurrence::Overloaded(last.overloads)),
+            Ok(last) if last.overloads > 0 => {
+                let overloads = console.diagnose()?.overloads;
+                seen.push(Occurrence::Overloaded(
+                    overloads.into_iter().map(|o| o.block).collect(),
+                ));
+            }
             Ok(_) => {}
             Err(ConsoleFault::RunFault { time, fault }) => {
                 seen.push(Occurrence::Stopped { time, fault });

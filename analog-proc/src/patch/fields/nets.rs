@@ -1,0 +1,85 @@
+//! Fields that name nets: mode control, inputs of their own, levels that follow a net.
+
+use super::Fields;
+use crate::net::{Input, Kind, Level, NetId, Span};
+use crate::patch::diagnostic::PatchFault;
+use crate::patch::number::not_finite;
+use crate::patch::value::{Data, Value};
+
+impl Fields<'_, '_> {
+    /// A net for logic control, without coefficient; `None` inside where it is left out.
+    pub(crate) fn net_or_none(&mut self, key: &'static str) -> Option<Option<NetId>> {
+        let Some(entry) = self.entry(key) else {
+            return Some(None);
+        };
+        let input = self.resolver.input(self.scope, key, &entry.value)?;
+        if input.coefficient == 1.0 {
+            return Some(Some(input.net));
+        }
+        let net = self.resolver.faults.sources.text(input.span).to_owned();
+        self.fault_at(key, |src, at| PatchFault::LogicCoefficient {
+            src,
+            at,
+            net: net.trim_matches(['"', '\'']).to_owned(),
+            help: "logic is 0 or 1; invert it with a `not` block".into(),
+        });
+        None
+    }
+
+    /// A net for logic control that must be there.
+    pub(crate) fn net(&mut self, key: &'static str) -> Option<NetId> {
+        if self.place(key).is_none() {
+            self.asked.push(key);
+            self.missing(key, "\"NET\"");
+            return None;
+        }
+        self.net_or_none(key)?
+    }
+
+    /// A weighted input in a field of its own; `None` inside where it is left out.
+    pub(crate) fn input_or_none(&mut self, key: &'static str) -> Option<Option<Input>> {
+        let Some(entry) = self.entry(key) else {
+            return Some(None);
+        };
+        self.resolver.input(self.scope, key, &entry.value).map(Some)
+    }
+
+    /// A number or a net. A weighted net becomes a hidden gain block `NAME.part`.
+    pub(crate) fn level(&mut self, key: &'static str, value: &Value, part: &str) -> Option<Level> {
+        if let Data::Text(text) = &value.data {
+            let last = text.rsplit('*').next().unwrap_or("");
+            let last = last.trim().trim_start_matches('-').trim();
+            let is_word = last.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+            if is_word && !self.resolver.params(self.scope).contains_key(last) {
+                let input = self.resolver.input(self.scope, key, value)?;
+                return Some(Level::Net(self.weighted(input, part)));
+            }
+        }
+        let number = self.resolver.number(self.scope, key, value)?;
+        if number.is_finite() {
+            return Some(Level::Fixed(number));
+        }
+        not_finite(key, value.span, self.resolver.faults);
+        None
+    }
+
+    /// The net of an input with its coefficient applied.
+    pub(crate) fn weighted(&mut self, input: Input, part: &str) -> NetId {
+        if input.coefficient == 1.0 {
+            return input.net;
+        }
+        let name = format!("{}.{part}", self.owner);
+        self.resolver.hide(name, self.at, Kind::Summer, input)
+    }
+
+    /// Makes a hidden inverter of a net.
+    pub(crate) fn inverted(&mut self, net: NetId, part: &str, span: Span) -> NetId {
+        let name = format!("{}.{part}", self.owner);
+        let input = Input {
+            net,
+            coefficient: 1.0,
+            span,
+        };
+        self.resolver.hide(name, self.at, Kind::Inverter, input)
+    }
+}

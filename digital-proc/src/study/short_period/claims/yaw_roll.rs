@@ -1,0 +1,102 @@
+//! Y1 to Y4: the yaw and roll loops sharing the tips.
+
+use super::{Worst, YawRollRuns};
+use crate::study::claim::Claim;
+
+const GIVEN_TO_ROLL_S: f64 = 0.15;
+const CALLED_WITHIN_S: f64 = 0.6;
+const SHARE_AFTER: f64 = 0.20;
+
+pub(super) fn y1(runs: &YawRollRuns) -> Claim {
+    let held = Worst::of(
+        false,
+        runs.allocated(false)
+            .map(|(c, m)| (Some(m.tips_given_to_roll_s), runs.point(c))),
+    );
+    Claim {
+        id: "Y1",
+        sentence: "the fin tips get first allocated to the roll channel and saturate",
+        criterion: format!(
+            "both tips ≥ 95 % of their limit in opposite senses for at least {GIVEN_TO_ROLL_S} s while yaw's share is under 10 %"
+        ),
+        measured: format!("least {}", held.seconds()),
+        verdict: held.against(GIVEN_TO_ROLL_S),
+        remark: None,
+    }
+}
+
+pub(super) fn y2(runs: &YawRollRuns) -> Claim {
+    let called = Worst::of(
+        true,
+        runs.allocated(false)
+            .map(|(c, m)| (m.tvc_called_s, runs.point(c))),
+    );
+    Claim {
+        id: "Y2",
+        sentence: "… calling in the TVC for the yaw axis",
+        criterion: format!(
+            "thrust-vector yaw force above 20 % of its maximum within {CALLED_WITHIN_S} s"
+        ),
+        measured: format!("latest {}", called.seconds()),
+        verdict: called.against(CALLED_WITHIN_S),
+        remark: None,
+    }
+}
+
+pub(super) fn y3(runs: &YawRollRuns) -> Claim {
+    let share = Worst::of(
+        false,
+        runs.allocated(false)
+            .map(|(c, m)| (m.yaw_share_after, runs.point(c))),
+    );
+    Claim {
+        id: "Y3",
+        sentence: "Fin tips become effective in yaw after the roll error is reduced",
+        criterion: format!(
+            "after roll has fallen to a quarter, tips above {:.0} % of their limit in yaw",
+            100.0 * SHARE_AFTER
+        ),
+        measured: format!("least {}", share.percent()),
+        verdict: share.against(SHARE_AFTER),
+        remark: None,
+    }
+}
+
+pub(super) fn y4(runs: &YawRollRuns) -> Claim {
+    let shared: Vec<_> = runs.allocated(false).collect();
+    // Gain in settling time: shared minus dedicated, at each point with both runs.
+    let gain = Worst::of(
+        false,
+        runs.allocated(true).filter_map(|(dedicated, m)| {
+            let (_, other) = shared.iter().find(|(c, _)| c.point == dedicated.point)?;
+            let gained = match (other.yaw_settling_s, m.yaw_settling_s) {
+                (Some(shared), Some(dedicated)) => Some(shared - dedicated),
+                (None, Some(_)) => Some(f64::INFINITY),
+                (_, None) => None,
+            };
+            Some((gained, runs.point(dedicated)))
+        }),
+    );
+    let roll = Worst::of(
+        true,
+        runs.allocated(true)
+            .map(|(c, m)| (m.roll_settling_s, runs.point(c))),
+    );
+    Claim {
+        id: "Y4",
+        sentence: "using the fin tips exclusively for the roll channel and the TVC correspondingly \
+                   for the yaw stabilisation … may eliminate yaw-roll interaction and achieve \
+                   better response times",
+        criterion: "with dedicated allocation yaw settles (to 0.2° of its final value) no later, \
+                    at every point"
+            .to_owned(),
+        measured: format!("least gain {}", gain.seconds()),
+        verdict: gain.against(0.0),
+        remark: roll.found.map(|_| {
+            format!(
+                "roll then settles to 0.5° at the latest in {}",
+                roll.seconds()
+            )
+        }),
+    }
+}

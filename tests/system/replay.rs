@@ -1,0 +1,292 @@
+//! Flights on the wall clock, their replay, and what runs leave behind.
+//!
+//! Nothing here asserts a speed: on a loaded machine frames overrun, are counted,
+//! and the replay is the same all the same.
+
+use crate::bench_top::{BenchTop, DIGITAL, expect, partner_of, runs, signal, until, wait_within};
+use digital_proc::run_dir::{RunDirectory, Trace, TraceWriter};
+use interface::Tick;
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+    time::Duration,
+};
+
+/// A command on runs of this test.
+fn on_runs(bench: &BenchTop, args: &[&str]) -> Command {
+    let mut command = bench.command(DIGITAL, args);
+    command.arg("--runs").arg(bench.runs());
+    command
+}
+
+/// Flies on the wall clock; its directory and what it says of its pacing.
+fn fly_paced(bench: &BenchTop, args: &[&str]) -> (PathBuf, serde_json::Value) {
+    let before = bench.run_directories();
+    let mut command = bench.fly(&["--clock", "wall", "--json"]);
+    let output = expect(command.args(args), 0);
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut new = bench.run_directories();
+    new.retain(|d| !before.contains(d));
+    assert_eq!(new.len(), 1);
+    (new.remove(0), summary["pacing"].clone())
+}
+
+fn assert_replays(bench: &BenchTop, run: &Path, more: &[&str]) {
+    let mut command = on_runs(bench, &["replay"]);
+    let output = expect(command.arg(run).args(more), 0);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("identical"), "{text}");
+}
+
+/// Every overrun is listed, and counted once a frame.
+fn assert_overruns_counted(pacing: &serde_json::Value) {
+    let mut frames: Vec<u64> = pacing["overruns"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|o| o["frame"].as_u64().unwrap())
+        .collect();
+    frames.sort_unstable();
+    frames.dedup();
+    assert_eq!(
+        pacing["frames_overrun"].as_u64().unwrap(),
+        frames.len() as u64
+    );
+}
+
+#[test]
+fn a_flight_on_the_wall_clock_replays_to_the_last_bit() {
+    let bench = BenchTop::new();
+    for (frame, frames) in [("10ms", 100_u64), ("1ms", 1_000)] {
+        let args = ["--until", "1s", "--frame", frame, "--fast", "1"];
+        let (run, pacing) = fly_paced(&bench, &args);
+        // Frames 0 to n: problem time never skips.
+        assert_eq!(pacing["frames"], frames + 1);
+        assert_overruns_counted(&pacing);
+        let record = std::fs::read_to_string(run.join("run.toml")).unwrap();
+        assert!(record.contains("clock = \"wall\""), "{record}");
+        let page = std::fs::read_to_string(run.join("report.html")).unwrap();
+        assert!(page.contains("Pacing by the wall clock"));
+
+        // The updates took their time, so that the run is another than in lock-step …
+        let transfers = Trace::read(&run.join("transfers.arrow")).unwrap();
+        let period = 1_000_000_000 / frames as i64;
+        assert!(transfers.rows() > 0 && transfers.rows() as u64 <= frames);
+        for (frame, tick) in transfers
+            .column("frame")
+            .unwrap()
+            .iter()
+            .zip(transfers.ticks())
+        {
+            assert!(
+                *tick > *frame as i64 * period,
+                "updates {frame} came before their samples"
+            );
+        }
+        let trace = std::fs::read(run.join("trace.arrow")).unwrap();
+        let before = bench.run_directories();
+        expect(&mut bench.fly(&args), 0);
+        let mut stepped = bench.run_directories();
+        stepped.retain(|d| !before.contains(d));
+        assert!(trace != std::fs::read(stepped[0].join("trace.arrow")).unwrap());
+        // … and both are repeated to the last bit.
+        assert_replays(&bench, &run, &[]);
+        assert_replays(&bench, &run, &["--link", "memory"]);
+        assert_replays(&bench, &stepped[0], &[]);
+    }
+    bench.assert_clean();
+}
+
+#[test]
+fn an_overloaded_flight_replays_to_the_last_bit() {
+    let bench = BenchTop::new();
+    let stop = std::sync::atomic::AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                while !stop.load(std::sync::atomic::Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
+        }
+        let flown = std::panic::catch_unwind(|| {
+            let skewed = ["--until", "400ms", "--frame", "1ms", "--fast", "1"];
+            let skewed = [&skewed[..], &["--latency", "500us", "--skew", "20us"]].concat();
+            let (run, pacing) = fly_paced(&bench, &skewed);
+            assert_eq!(pacing["frames"], 401);
+            assert_overruns_counted(&pacing);
+            assert_replays(&bench, &run, &[]);
+            let (run, pacing) = fly_paced(&bench, &["--until", "410ms", "--link", "memory"]);
+            assert_eq!(pacing["frames"], 22);
+            assert_replays(&bench, &run, &[]);
+        });
+        stop.store(true, std::sync::atomic::Ordering::Relaxed);
+        flown.unwrap();
+    });
+    bench.assert_clean();
+}
+
+/// Writes a run's transfers anew, one of them later.
+fn delay_one_transfer(run: &Path) -> u64 {
+    let path = run.join("transfers.arrow");
+    let transfers = Trace::read(&path).unwrap();
+    let mut ticks = transfers.ticks().to_vec();
+    let late = (0..ticks.len() - 1)
+        .find(|&n| ticks[n + 1] - ticks[n] > 1_000_000)
+        .expect("no two transfers lie 1 ms apart");
+    ticks[late] += 500_000;
+    let file = std::fs::File::create(&path).unwrap();
+    let mut writer = TraceWriter::new(file, &path, transfers.columns(), 64).unwrap();
+    for (tick, frame) in ticks.iter().zip(transfers.column("frame").unwrap()) {
+        writer.push(Tick(*tick), &[*frame]).unwrap();
+    }
+    writer.finish().unwrap();
+    late as u64
+}
+
+#[test]
+fn a_replay_that_differs_says_where() {
+    let bench = BenchTop::new();
+    let (run, _) = fly_paced(
+        &bench,
+        &["--until", "400ms", "--frame", "20ms", "--fast", "1"],
+    );
+    assert_replays(&bench, &run, &[]);
+    let late = delay_one_transfer(&run);
+    let output = expect(on_runs(&bench, &["replay"]).arg(&run), 1);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    let row: u64 = text
+        .split("row ")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next())
+        .unwrap_or_else(|| panic!("no row named: {text}"))
+        .parse()
+        .unwrap();
+    // Nothing can differ before the samples that follow the delayed transfer.
+    assert!(row > late, "{text}");
+    assert!(text.contains("bits"), "{text}");
+}
+
+#[test]
+fn runs_are_listed_exported_and_plotted() {
+    let bench = BenchTop::new();
+    let (run, _) = fly_paced(&bench, &["--until", "200ms"]);
+    let name = run.file_name().unwrap().to_str().unwrap().to_owned();
+    let rows = RunDirectory::open(&run)
+        .unwrap()
+        .read_trace()
+        .unwrap()
+        .rows();
+    let text = |output: std::process::Output| String::from_utf8(output.stdout).unwrap();
+
+    let list = text(expect(&mut on_runs(&bench, &["list"]), 0));
+    assert!(
+        list.contains(&name) && list.contains("complete") && list.contains("fly normal"),
+        "{list}"
+    );
+    let list = expect(&mut on_runs(&bench, &["list", "--json"]), 0);
+    let list: serde_json::Value = serde_json::from_slice(&list.stdout).unwrap();
+    assert_eq!(list[0]["name"], name.as_str());
+
+    let printed = text(expect(
+        &mut on_runs(&bench, &["export", "last", "--csv"]),
+        0,
+    ));
+    assert_eq!(printed.lines().count(), rows + 1);
+    assert!(
+        printed.starts_with("tick_ns,time_s,velocity_m_s [m/s],"),
+        "{printed}"
+    );
+    let file = run.join("of-mine.csv");
+    expect(
+        on_runs(&bench, &["export", "last", "--csv"])
+            .arg("--out")
+            .arg(&file),
+        0,
+    );
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), printed);
+    let transfers = text(expect(
+        &mut on_runs(&bench, &["export", "last", "--transfers"]),
+        0,
+    ));
+    assert!(
+        transfers.starts_with("tick_ns,time_s,frame\n"),
+        "{transfers}"
+    );
+
+    expect(&mut on_runs(&bench, &["plot", &name]), 0);
+    let page = std::fs::read_to_string(run.join("plots.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("dynamic_pressure_pa"));
+
+    let output = expect(&mut on_runs(&bench, &["export", "lats"]), 2);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("lats"));
+}
+
+#[test]
+fn a_damaged_record_is_refused_with_its_line() {
+    let bench = BenchTop::new();
+    expect(&mut bench.fly(&["--until", "200ms"]), 0);
+    let run = bench.run_directories().remove(0);
+    let path = run.join("run.toml");
+    let sound = std::fs::read_to_string(&path).unwrap();
+    for (from, to) in [
+        ("frame = \"100ms\"", "frame = \"100\""),
+        ("fast = 5", "fast = five"),
+        ("link = \"shm\"", "link = shm\""),
+        ("wind = \"none\"", "wind = \"gale\""),
+    ] {
+        let at = sound
+            .find(from)
+            .unwrap_or_else(|| panic!("{from} is not in\n{sound}"));
+        let line = 1 + sound[..at].matches('\n').count();
+        std::fs::write(&path, sound.replacen(from, to, 1)).unwrap();
+        let output = expect(on_runs(&bench, &["replay"]).arg(&run), 2);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(text.contains(&format!("run.toml:{line}:")), "{to}: {text}");
+    }
+    // What parses but cannot be flown is refused too.
+    std::fs::write(&path, sound.replacen("fast = 5", "fast = 7", 1)).unwrap();
+    let output = expect(on_runs(&bench, &["replay"]).arg(&run), 2);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("run.toml"));
+    bench.assert_clean();
+}
+
+#[test]
+fn either_side_notices_a_death_between_the_frames() {
+    let bench = BenchTop::new();
+    let paced = ["--clock", "wall", "--frame", "5s", "--fast", "1"];
+    for digital_dies in [false, true] {
+        let child = bench.fly(&paced).spawn().unwrap();
+        let analog = partner_of(&child);
+        until("the trace", Duration::from_secs(20), || {
+            let directories = bench.run_directories();
+            directories
+                .iter()
+                .any(|d| d.join("transfers.arrow").is_file())
+                .then_some(())
+        });
+        // Both now wait for the next frame, seconds away.
+        std::thread::sleep(Duration::from_millis(300));
+        let dying = if digital_dies { child.id() } else { analog };
+        signal(dying, rustix::process::Signal::KILL);
+        // 50 ms and what an overloaded machine adds; a frame lasts 5 s.
+        let limit = Duration::from_secs(3);
+        let (output, _) = wait_within(child, limit);
+        if !digital_dies {
+            assert_eq!(output.status.code(), Some(3));
+            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(text.contains("analog-proc is gone"), "{text}");
+        }
+        until("the end of the analog side", limit, || {
+            (!runs(analog)).then_some(())
+        });
+        for directory in bench.run_directories() {
+            std::fs::remove_dir_all(directory).unwrap();
+        }
+    }
+    until("the session's removal", Duration::from_secs(3), || {
+        std::fs::read_dir(bench.base())
+            .map_or(true, |mut d| d.next().is_none())
+            .then_some(())
+    });
+}
