@@ -19,13 +19,7 @@ use crate::{
 use interface::Tick;
 use std::path::PathBuf;
 
-/// The long-period flight on three machines, over the frame period: alpha redundant, alpha
-/// conventionally sampled, and all control digital.
-///
-/// Wind and misalignments are those of the design case. The damping of the pitch loop comes from a
-/// small step of the attitude command at 20 s, as the difference of two flights. Digital parts take
-/// effect one frame late; the redundant machine has five fast frames in a frame. A flight is lost
-/// where the attitude leaves its command by 20 degrees.
+/// Settings of [`super::Experiment::Flight`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Flight {
     /// Frame periods
