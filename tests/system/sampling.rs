@@ -400,3 +400,39 @@ fn experiments_run_from_the_command_line() {
     }
     top.assert_clean();
 }
+
+/// What may be digital: α can be sampled, the control of the pitch loop cannot at 150 ms.
+#[test]
+fn digital_control_loses_the_flight_that_analog_control_holds() {
+    use digital_proc::{
+        flight_mode::FlightMode,
+        reference::FlightCase,
+        sampling::flight::{Partition, row},
+        vehicle::Vehicle,
+    };
+    let vehicle = Vehicle::shipped().unwrap();
+    let case = FlightCase::design(&vehicle, FlightMode::Normal.script()).unwrap();
+    let stop = Tick(40_000_000_000);
+    bench(|bench| {
+        let mut fly = |partition, ms: i64| {
+            let frame = Tick(ms * 1_000_000);
+            row(bench.console(), &vehicle, &case, partition, (frame, stop)).unwrap()
+        };
+        let fine = fly(Partition::DigitalControl, 5);
+        for partition in Partition::ALL {
+            // At 5 ms every machine is the continuous one but for delays of 7.5 ms in a loop of
+            // about 3 rad/s: ζ moves by ω τ_e / 2 = 0.01 for each path; twice that, and what is left
+            // of identification on a time-varying plant.
+            let r = fly(partition, 5);
+            assert!(!r.lost && (r.zeta.unwrap() - fine.zeta.unwrap()).abs() < 0.03, "{r:?}");
+        }
+        for partition in [Partition::RedundantAlpha, Partition::ConventionalAlpha] {
+            let r = fly(partition, 200);
+            assert!(!r.lost && r.zeta.unwrap() > 0.5, "{r:?}");
+        }
+        let slow = fly(Partition::DigitalControl, 100);
+        assert!(slow.zeta.unwrap() < 0.2, "{slow:?}");
+        assert!(fly(Partition::DigitalControl, 150).lost);
+        Ok(())
+    });
+}

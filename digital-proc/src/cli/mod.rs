@@ -64,6 +64,17 @@ enum Command {
     /// Study the control loops at frozen trajectory points, run after run in one session
     ShortPeriod(short_period::ShortPeriod),
     /// The sampling laboratory: what an interface does to a loop, measured beside theory
+    ///
+    /// Measure what sampling, holding and computing do to a loop, with theory beside every number.
+    ///
+    /// Each experiment runs its patch on the analog side with real frames, prints a table, and leaves
+    /// a run directory with CSV files and a report with figures. It exits with 1 if a measurement
+    /// departs from the exact theory by more than it should.
+    ///
+    ///     digital-proc sampling circle                       growth of an oscillator per cycle
+    ///     digital-proc sampling alpha                        the redundant integrator of figure 1
+    ///     digital-proc sampling loop patch-files/studies/servo-loop.toml   a loop of your own
+    #[command(verbatim_doc_comment)]
     Sampling(sampling::Sampling),
     /// Fly every mode of the failure file and judge the claims about trajectory and loads
     LongPeriod(long_period::LongPeriod),

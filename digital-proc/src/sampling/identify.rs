@@ -117,6 +117,8 @@ pub fn angle_difference_rad(a: f64, b: f64) -> f64 {
 const LONGEST: usize = 320;
 /// Greatest number of modes sought.
 const MODES: usize = 12;
+/// Shortest record: five modes and twice as many equations.
+const SHORTEST: usize = 18;
 
 /// Equivalent roots `ln z / T` of every mode above `floor` (relative to the largest singular
 /// value; 1e-9 for a noise-free record, more for a quantised one), by the matrix pencil.
@@ -127,9 +129,9 @@ const MODES: usize = 12;
 /// # Errors
 /// On a short or non-finite record, or when a decomposition does not converge.
 pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, IdentifyError> {
-    check(samples, 3 * MODES)?;
+    check(samples, SHORTEST)?;
     let y = &samples[..samples.len().min(LONGEST)];
-    let columns = (y.len() / 3).clamp(MODES + 1, 3 * MODES) + 1;
+    let columns = (y.len() / 3).clamp(5, 3 * MODES) + 1;
     let rows = y.len() + 1 - columns;
     let hankel = DMatrix::from_fn(rows, columns, |i, j| y[i + j]);
     let (singular, v) = right_singular_vectors(hankel).ok_or(IdentifyError::NoConvergence)?;

@@ -21,16 +21,8 @@ use std::path::PathBuf;
 const LIMIT_DEG: f64 = 1e-3;
 const LIMIT_GAIN: f64 = 1e-5;
 
-/// Gain and phase that each stage of a channel adds at one frequency, from theory and from runs.
-///
-/// The linkage of a patch is put in loop-back: a sine on the ADC, passed on by the digital side to
-/// the DAC, taken by correlators over whole cycles. Each stage is measured alone against a bare
-/// zero-order hold, and the whole chain at once. Stages come from --profile and from the flags.
-///
-///     digital-proc sampling budget --frequency 1
-///     digital-proc sampling budget --patch patch-files/long-period.toml --adc adc_alpha --profile ad4
+/// Settings of [`super::Experiment::Budget`], whose text is the help.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
 pub struct Budget {
     /// Frequency in Hz; moved to the nearest with whole cycles in whole frames
     #[arg(long, default_value_t = 1.0, value_name = "HZ")]

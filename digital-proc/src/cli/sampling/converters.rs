@@ -18,10 +18,7 @@ use interface::Tick;
 /// A measured variance may depart from theory by this, relative.
 const VARIANCE_LIMIT: f64 = 0.03;
 
-/// A DAC of few bits driven with seeded random values that the digital side knows exactly.
-///
-/// What is read back beyond the exact solution is noise: q^2/12 itself, q^2/12 T t through an
-/// integrator, and q^2/12 (1 - e)/(1 + e), e = exp(-a T), through a lag.
+/// Settings of [`super::Experiment::Noise`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Noise {
     /// Bits of the DAC, sign included
@@ -117,9 +114,7 @@ impl Measure for Noise {
     }
 }
 
-/// Sine and cosine of one angle read through a multiplexer, the cosine one skew later.
-///
-/// The angle computed from them is too great by omega delta sin^2(angle): omega delta / 2 on average.
+/// Settings of [`super::Experiment::Skew`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Skew {
     /// Skews between neighbouring channels
@@ -212,10 +207,7 @@ impl Measure for Skew {
     }
 }
 
-/// A digital coefficient that should follow a ramp and is renewed once a period.
-///
-/// It is a staircase behind the ramp: late by T/2 + latency on average, with an rms error of
-/// rate sqrt(T^2/3 + T latency + latency^2).
+/// Settings of [`super::Experiment::Coefficients`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Coefficients {
     /// Periods of the settings

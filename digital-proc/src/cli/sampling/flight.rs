@@ -19,13 +19,7 @@ use crate::{
 use interface::Tick;
 use std::path::PathBuf;
 
-/// The long-period flight on three machines, over the frame period: alpha redundant, alpha
-/// conventionally sampled, and all control digital.
-///
-/// Wind and misalignments are those of the design case. The damping of the pitch loop comes from a
-/// small step of the attitude command at 20 s, as the difference of two flights. Digital parts take
-/// effect one frame late; the redundant machine has five fast frames in a frame. A flight is lost
-/// where the attitude leaves its command by 20 degrees.
+/// Settings of [`super::Experiment::Flight`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Flight {
     /// Frame periods
@@ -134,7 +128,7 @@ impl Measure for Flight {
         let frame_axis = || Axis::new("frame period", "ms").log();
         outcome.chart(
             "damping",
-            "Damping of the pitch loop at 20 s. Sampling α costs the loop little, sampling the whole control costs it its stability: the reason why control stays analog.",
+            "Damping of the pitch loop at 20 s, from the answer to a small step of the command; a missing marker is an answer without an oscillation between 1 and 15 rad/s.",
             LineChart::new(
                 "What may be digital",
                 frame_axis(),
@@ -149,18 +143,18 @@ impl Measure for Flight {
             LineChart::new(
                 "Load indicator Qα",
                 frame_axis(),
-                Axis::new("greatest |Qα|", "kPa·°"),
+                Axis::new("greatest |Qα|", "kPa·°").log(),
                 series(&|r| 1e-3 * r.max_q_alpha_padeg),
             )
             .limit(1e-3 * limit, "design limit"),
         );
         outcome.chart(
             "attitude-error",
-            "Greatest distance of the pitch attitude from its command.",
+            "Greatest distance of the pitch attitude from its command; a flight is lost at 20°.",
             LineChart::new(
                 "Attitude error",
                 frame_axis(),
-                Axis::new("greatest |θ − θc|", "°"),
+                Axis::new("greatest |θ − θc|", "°").log(),
                 series(&|r| r.worst_error_deg),
             ),
         );

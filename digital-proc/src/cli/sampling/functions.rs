@@ -22,12 +22,7 @@ const HYBRID_LAG_LIMIT_DEG: f64 = 0.01;
 /// The body axes' error is at least so many times that of flight-path axes.
 const AXES_RATIO: f64 = 10.0;
 
-/// One function C(alpha, M) generated three ways at once, beside the exact analog one.
-///
-/// All-digital: alpha sampled, two-dimensional table look-up, DAC; alpha itself is late. Hybrid
-/// (Rubin): fixed analog hat functions of alpha weighted by ordinates of M in digital coefficients;
-/// only the slow M is late. Local cell: level and slope of the present cell, chosen by comparators.
-/// Lag and rms error are taken by correlators on the analog side, against frequency and period.
+/// Settings of [`super::Experiment::FunctionGeneration`], whose text is the help.
 #[derive(clap::Args)]
 pub struct FunctionGeneration {
     /// Frames in one cycle of alpha
@@ -163,11 +158,7 @@ impl Measure for FunctionGeneration {
     }
 }
 
-/// Translation computed in body, flight-path and H axes from the same samples of an oscillating
-/// attitude, by RK4 with attitude and rate held over the digital step.
-///
-/// In body axes the whole turn of the vehicle is an artificial acceleration q u, which a held rate
-/// makes wrong by the attitude's own lag; in flight-path and H axes only the true normal force is.
+/// Settings of [`super::Experiment::Axes`], whose text is the help.
 #[derive(clap::Args)]
 pub struct AxesOfTranslation {
     /// Digital steps
@@ -215,8 +206,8 @@ impl Measure for AxesOfTranslation {
             "lab/axes.toml",
             "Axes of the translational equations",
             "The same flight integrated in three systems of axes from the same samples of an \
-             oscillating attitude. The products q u of body axes are artificial accelerations, a \
-             hundred times the true ones, and their error is the attitude's own lag.",
+             oscillating attitude. The products q u of body axes are artificial accelerations, whose \
+             error is the attitude's own lag.",
         );
         outcome.set("amplitude-deg", self.amplitude);
         outcome.set("omega-rad-s", self.omega);
@@ -282,7 +273,7 @@ impl Measure for AxesOfTranslation {
             .collect();
         outcome.chart(
             "gamma-error",
-            "Flight-path and H axes lie upon each other. Lines: first order of the oscillating part.",
+            "Lines: first order of the oscillating part. Markers: runs on the machine.",
             measured_vs_theory(
                 "Error of the flight-path angle",
                 Axis::new("digital step", "ms").log(),

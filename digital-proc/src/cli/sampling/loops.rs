@@ -36,11 +36,7 @@ fn ratios(low: f64, high: f64, count: u32) -> impl Iterator<Item = f64> {
     (0..count.max(2)).map(move |i| low * (high / low).powf(f64::from(i) / last))
 }
 
-/// Two integrators whose loop is closed through the digital side.
-///
-/// Without an interface they draw a circle for ever. What is sampled, held and delayed turns it
-/// into a spiral: the growth of the amplitude over one cycle is compared with the exact discrete
-/// map and with the first-order formula exp(pi omega tau_e), tau_e = latency + delay of the hold.
+/// Settings of [`super::Experiment::Circle`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Circle {
     /// Samples per cycle, at least 6
@@ -228,12 +224,7 @@ fn ends(values: &[f64]) -> Vec<f64> {
     }
 }
 
-/// A second-order loop x'' + 2 zeta omega0 x' + omega0^2 x = 0 whose stiffness goes through the
-/// digital side.
-///
-/// Its damping falls by about omega0 (T/2 + latency)/2. Damping and frequency from the run stand
-/// beside the exact eigenvalues of the sampled-data system and Howe's first-order shift, without
-/// and with each compensation: half-frame prediction, an extrapolating DAC, and a lead of T/2 + latency.
+/// Settings of [`super::Experiment::Root`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Root {
     /// Natural frequency omega0, rad/s
@@ -395,14 +386,7 @@ impl Measure for Root {
     }
 }
 
-/// The alpha loop of the rotational equations, alpha' = q - Z alpha, q' = -omega^2 alpha - D q with
-/// Z = 0.6 and D = 0.4, closed through a conventionally sampled alpha and through a redundant one.
-///
-/// Conventional: the digital side samples q, integrates alpha in the slow frame and holds the
-/// moment. Redundant (figure 1 of the paper): an analog integrator turns with q, is sampled fast for
-/// the tables, and is only corrected slowly by K times the error of the digital alpha. Roots stand
-/// beside those of the multi-rate monodromy matrix; a sweep shows where each becomes unstable. The
-/// correction has its price: with K = 0.5 one frame late the loop is unstable.
+/// Settings of [`super::Experiment::Alpha`], whose text is the help.
 #[derive(clap::Args)]
 pub struct Alpha {
     /// Frequencies of the loop, rad/s

@@ -217,7 +217,7 @@ impl Outcome {
                 li { (if check.holds { "✓ " } else { "✗ " }) (check.statement) }
             } }
         };
-        let mut sections = vec![Section::new("Measured against theory", figures)];
+        let mut sections = vec![Section::new("Figures", figures)];
         if !self.checks.is_empty() {
             sections.push(Section::new("Checks", checks));
         }

@@ -16,31 +16,8 @@ use crate::{
 };
 use std::path::PathBuf;
 
-/// A loop of your own: a patch with ADC and DAC lines, and a digital law, from one TOML file.
-///
-///     title = "My servo"
-///     patch = "servo.toml"            # beside this file
-///     stop = "20s"
-///     measure = "x_adc"               # the ADC whose record is judged
-///
-///     [params]                        # values for the patch's [params]
-///     wn = 3.0
-///
-///     [sweep]
-///     frame = ["20ms", "50ms"]
-///     latency = [0.0, 1.0]            # in frames
-///     bits = [8, 12, 0]               # 0: ideal converters; bits need `max` at ADC and DAC
-///
-///     [[law]]                         # one or more
-///     kind = "gain-matrix"            # y = G x
-///     inputs = ["x_adc"]
-///     outputs = ["u"]
-///     gain = [[9.0]]
-///
-/// Other kinds, each with one `input` and one `output`: `difference-equation` (`numerator`,
-/// `denominator`), `delay` (`frames`, `gain`), `table` (`x`, `y`). A fault names file and line.
+/// Settings of [`super::Experiment::Loop`], whose text is the help.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
 pub struct Loop {
     /// The study
     #[arg(value_name = "STUDY.toml")]
