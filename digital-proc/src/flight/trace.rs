@@ -121,7 +121,7 @@ pub fn read_transfers(path: &Path, trace: &Trace) -> Result<TransferLog, Transfe
         .zip(trace.ticks())
         .map(|(&frame, &tick)| {
             // 2⁵³: beyond it a float no longer counts.
-            if frame >= 0.0 && frame < 9_007_199_254_740_992.0 && frame.fract() == 0.0 {
+            if (0.0..9_007_199_254_740_992.0).contains(&frame) && frame.fract() == 0.0 {
                 let (frame, tick) = (frame as u64, Tick(tick));
                 Ok(Transfer { frame, tick })
             } else {

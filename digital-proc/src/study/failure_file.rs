@@ -233,7 +233,7 @@ impl RawAction {
             let Some(factor) = factor else { continue };
             let value = *factor.get_ref();
             // Also refuses a NaN.
-            if !(value.abs() <= LARGEST_FACTOR) {
+            if value.is_nan() || value.abs() > LARGEST_FACTOR {
                 faults.push(source.fault(
                     factor.span(),
                     format!("a factor of {value}"),

@@ -675,7 +675,7 @@ impl Alpha {
         let mut heads = vec!["conventional".to_owned()];
         heads.extend(fasts.iter().map(|n| format!("redundant, {n} fast frames")));
         let mut right = true;
-        for column in 0..=fasts.len() {
+        for (column, head) in heads.iter().enumerate() {
             let mut cells = Vec::new();
             for slow in slow_axis {
                 let scheme = match column {
@@ -698,7 +698,7 @@ impl Alpha {
                 let (row, _) = bench.alpha(&setting)?;
                 right &= row.stable_measured == (row.spectral_radius < 1.0);
                 table.row([
-                    heads[column].as_str().into(),
+                    head.as_str().into(),
                     slow.into(),
                     setting.loop_.frame_s.into(),
                     (if row.stable_measured {

@@ -30,8 +30,8 @@ pub fn matrix(outcome: &Outcome, measure: &Measure<'_>) -> Markup {
             .map(|point| match (measure.value)(condition, point) {
                 Some(value) => HeatCell {
                     value,
-                    // Not `<=`: a measure that is no number is outside.
-                    violated: !(value <= measure.limit),
+                    // A measure that is no number is outside.
+                    violated: value.is_nan() || value > measure.limit,
                     href: (measure.href)(condition, point),
                 },
                 None => HeatCell::new(f64::NAN),

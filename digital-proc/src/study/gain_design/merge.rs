@@ -71,11 +71,11 @@ pub fn merged(data: &ScheduleData, i: usize, end_s: f64, tip_travel_deg: f64) ->
     joined.tvc_gain_nprad = mean(a.tvc_gain_nprad, b.tvc_gain_nprad);
     joined.tvc_lead_s = mean(a.tvc_lead_s, b.tvc_lead_s);
     let mut out = schedule::empty();
-    for k in 0..t.len() {
+    for (k, &switch_s) in t.iter().enumerate() {
         if k == i {
-            schedule::push(&mut out, t[k], &joined);
+            schedule::push(&mut out, switch_s, &joined);
         } else if k != i + 1 {
-            schedule::push(&mut out, t[k], &schedule::gains(data, k));
+            schedule::push(&mut out, switch_s, &schedule::gains(data, k));
         }
     }
     schedule::close(&mut out, tip_travel_deg);

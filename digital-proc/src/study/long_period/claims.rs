@@ -23,8 +23,10 @@ fn verdict(holds: bool) -> Verdict {
 fn exceeds(results: &LongPeriodResults, flown: &Flown) -> bool {
     flown
         .figures
-        // Not `>`: a peak that is no number must not pass.
-        .is_none_or(|f| !(f.max_q_alpha_padeg <= results.accept.q_alpha_padeg))
+        // A peak that is no number must not pass.
+        .is_none_or(|f| {
+            f.max_q_alpha_padeg.is_nan() || f.max_q_alpha_padeg > results.accept.q_alpha_padeg
+        })
 }
 
 fn named<'a>(modes: impl Iterator<Item = &'a ModeResult>) -> String {
