@@ -6,8 +6,10 @@ use std::time::Duration;
 
 /// A flight of some seconds, so that it can be killed on the way.
 const LONG: [&str; 4] = ["--frame", "200us", "--fast", "1"];
-/// In which either side must notice; on a loaded machine the test itself is late too.
-const NOTICE: Duration = Duration::from_secs(1);
+/// In which either side must notice. One second is promised of a machine that has
+/// time for it; these tests share two cores with a dozen others, some of them
+/// computing, so what they measure is late by some time slices.
+const NOTICE: Duration = Duration::from_secs(3);
 
 #[test]
 fn a_killed_analog_side_is_named_and_the_trace_is_kept() {

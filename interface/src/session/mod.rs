@@ -144,6 +144,8 @@ struct Place {
     root: PathBuf,
     prefix: String,
     side: Side,
+    /// Whether the other side made the session, and so was there first.
+    joined: bool,
     /// Held for as long as this side takes part.
     lock: Option<File>,
 }
@@ -207,6 +209,7 @@ impl Session {
             root,
             prefix,
             side,
+            joined: false,
             lock: Some(lock),
         })))
     }
@@ -247,6 +250,7 @@ impl Session {
             root,
             prefix,
             side,
+            joined: true,
             lock: Some(lock),
         })))
     }
@@ -284,6 +288,12 @@ impl Session {
     #[must_use]
     pub fn side(&self) -> Side {
         self.0.side
+    }
+
+    /// Whether this process joined a session that the other side had made.
+    #[must_use]
+    pub fn joined(&self) -> bool {
+        self.0.joined
     }
 
     /// Directory of the session.

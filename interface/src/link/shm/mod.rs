@@ -52,7 +52,7 @@ const NODES: usize = 16;
 /// A service half made by a process that was killed stays so for ever; this long
 /// one waits to see whether it is merely slow. Below the second in which an end
 /// must notice its partner's death.
-const CREATION_TIMEOUT: Duration = Duration::from_millis(200);
+const CREATION_TIMEOUT: Duration = Duration::from_millis(50);
 
 /// The analog processor's end.
 pub type ShmAnalog = AnalogEnd<AnalogPorts>;
@@ -220,6 +220,14 @@ impl Peer {
                 .partner()
                 .map_err(fault("looking for the partner"))?,
         };
+        if partner.is_none() && session.joined() {
+            // It was there when this side joined: it is not late, it is dead.
+            return Err(LinkFault::PartnerDied {
+                side: session.side().partner().name(),
+                frame: 0,
+                detail: "it ended before the link was open".to_owned(),
+            });
+        }
         Ok(Peer {
             side: session.side().partner(),
             partner,
