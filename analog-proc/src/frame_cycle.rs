@@ -60,7 +60,9 @@ pub fn run(
         Clock::LockStep => {}
         Clock::Replay => cycle.timing = Timing::Replay,
         // The wall clock starts when everything is ready.
-        Clock::Wall => cycle.timing = Timing::Wall(FreeRun::start(time_scale)),
+        Clock::Wall { processor } => {
+            cycle.timing = Timing::Wall(FreeRun::start(time_scale, processor));
+        }
     }
     let channels_in_scan = cycle.channels.adc_count();
     cycle.open_aperture(spec, 0);

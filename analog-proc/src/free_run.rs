@@ -15,6 +15,7 @@ use interface::{
     Tick,
     frame::{FRAMES_AHEAD, Updates},
     link::{AnalogPort, LinkFault},
+    processor::Kept,
 };
 use rustix::{
     thread::{clock_nanosleep_absolute, sched_yield, set_current_timer_slack},
@@ -22,12 +23,13 @@ use rustix::{
 };
 use std::num::NonZeroU64;
 
-/// Before a deadline the wait ends its sleep by this, ns, and spins: what a timer is late by.
-const SPIN_BEFORE_NS: i64 = 60_000;
+/// Before a deadline the wait ends its sleep by this, ns, and polls: a processor that has gone to
+/// sleep may wake up by milliseconds late, on a virtual machine above all.
+const AWAKE_BEFORE_NS: i64 = 2_000_000;
 /// An answer that comes within this time, ns, is waited for by spinning …
 const SPIN_AFTER_NS: i64 = 2_000;
 /// … within this time by yielding the processor, later by naps.
-const YIELD_AFTER_NS: i64 = 200_000;
+const YIELD_AFTER_NS: i64 = 2_000_000;
 /// A nap, ns.
 const NAP_NS: i64 = 50_000;
 /// Longest sleep, ns: a dead partner or an interrupt is noticed within it.
@@ -47,11 +49,13 @@ pub struct FreeRun {
     published: u64,
     /// The oldest frame that is not answered.
     unanswered: u64,
+    _kept: Option<Kept>,
 }
 
 impl FreeRun {
     /// Starts the clock; a unit of problem time takes `time_scale` units of wall time.
-    pub fn start(time_scale: f64) -> FreeRun {
+    /// Both sides share `processor`, if there is one given.
+    pub fn start(time_scale: f64, processor: Option<u32>) -> FreeRun {
         // Without it sleeps are coarser, which is told as lateness.
         let _ = set_current_timer_slack(SLACK);
         let now_ns = wall_ns();
@@ -61,6 +65,7 @@ impl FreeRun {
             published_ns: now_ns,
             published: 0,
             unanswered: 0,
+            _kept: processor.and_then(Kept::on),
         }
     }
 
@@ -117,16 +122,16 @@ impl FreeRun {
             if now_ns >= deadline_ns {
                 return Ok(None);
             }
-            let sleep_ns = deadline_ns - SPIN_BEFORE_NS - now_ns;
-            if sleep_ns <= 0 {
-                std::hint::spin_loop();
-                continue;
-            }
             if let Some(updates) = port.poll_updates(self.unanswered)? {
                 self.unanswered = updates.frame + 1;
                 return Ok(Some(updates));
             }
-            sleep_until(now_ns + sleep_ns.min(LONGEST_SLEEP_NS));
+            let sleep_ns = deadline_ns - AWAKE_BEFORE_NS - now_ns;
+            if sleep_ns > 0 {
+                sleep_until(now_ns + sleep_ns.min(LONGEST_SLEEP_NS));
+            } else {
+                sched_yield();
+            }
         }
     }
 
@@ -180,7 +185,7 @@ mod tests {
     #[test]
     fn the_clock_never_goes_before_its_deadline() {
         let (mut analog, _digital) = memory::pair();
-        let mut free = FreeRun::start(2.0);
+        let mut free = FreeRun::start(2.0, None);
         let start_ns = wall_ns();
         let mut last = Tick::ZERO;
         for frame in 0..20 {
@@ -206,7 +211,7 @@ mod tests {
     fn a_partner_that_dies_ends_the_wait() {
         let (mut analog, digital) = memory::pair();
         drop(digital);
-        let mut free = FreeRun::start(1.0);
+        let mut free = FreeRun::start(1.0, None);
         assert!(matches!(
             free.await_instant(&mut analog, Tick::SECOND * 3600),
             Err(LinkFault::PartnerDied { .. })

@@ -59,7 +59,10 @@ pub enum Clock {
     /// Lock-step: at `t_n + τ`, whatever the wall clock says.
     LockStep,
     /// Free-running: the analog side is paced by the wall clock and stamps each transfer.
-    Wall,
+    Wall {
+        /// The processor that both sides share, where there is none to spare.
+        processor: Option<u32>,
+    },
     /// At the recorded ticks that the updates carry.
     Replay,
 }

@@ -11,6 +11,7 @@ pub mod converter;
 pub mod frame;
 pub mod hold;
 pub mod link;
+pub mod processor;
 pub mod profile;
 pub mod protocol;
 pub mod session;

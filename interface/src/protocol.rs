@@ -155,7 +155,7 @@ impl Protocol {
     /// overrun loses frames, in lock-step nothing ever is.
     #[must_use]
     pub fn may_skip(&self) -> bool {
-        matches!(&self.phase, Phase::Operating(run) if run.clock == Clock::Wall)
+        matches!(&self.phase, Phase::Operating(run) if matches!(run.clock, Clock::Wall { .. }))
     }
 
     /// Whether the session ended by `Bye`.

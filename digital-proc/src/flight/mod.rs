@@ -25,8 +25,9 @@ use crate::{
 use channels::StageChannels;
 use interface::{
     Tick,
-    control::{PatchBundle, RunSpec},
+    control::{Clock, PatchBundle, RunSpec},
     frame::{ModeCommand, Samples, Updates},
+    processor::Kept,
     profile::Profile,
 };
 use law::FlightLaw;
@@ -286,6 +287,10 @@ fn fly_loaded(
         stop: plan.stop,
         from_ic: true,
         clock: timing.clock(),
+    };
+    let _kept = match spec.clock {
+        Clock::Wall { processor } => processor.and_then(Kept::on),
+        Clock::LockStep | Clock::Replay => None,
     };
     let mut monitor = FlightMonitor::new(vehicle);
     // Set by either part of a frame; the analog run is then ended in good order, so

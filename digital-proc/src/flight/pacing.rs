@@ -1,9 +1,13 @@
 //! How well a free-running flight kept to the wall clock.
 //!
-//! Two things can be late: samples, published after their deadline because the
-//! array was not there yet, and updates, arriving after the next samples because
-//! the digital side was not. Both are overruns, counted frame by frame. Neither
-//! loses anything: problem time never skips.
+//! A frame overruns when its work is not done within it: its updates have not
+//! taken effect when the next samples are due. Samples published a whole frame
+//! late are told as such too, so that the last frame, which has no updates, is
+//! judged as the others are. Nothing is lost by it: problem time never skips.
+//!
+//! Samples that go out late by less are no overrun, as their own instant is right
+//! whatever the clock says; they shorten the time left for the updates. That
+//! jitter is told beside the overruns.
 
 use interface::{
     Tick,
@@ -11,10 +15,8 @@ use interface::{
 };
 use serde_json::{Value, json};
 
-/// Samples published later than this part of a frame after their deadline are an
-/// overrun: below a tenth of a frame, lateness is the timer's and the sample's
-/// own instant is right whatever it is.
-pub const MARGIN_PARTS: i64 = 10;
+/// Samples later than this part of a frame are counted as late in the account of the jitter.
+const JITTER_PARTS: i64 = 10;
 
 /// What was late, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +45,7 @@ pub struct Pacing {
     /// The next frame whose transfer is to be told.
     unanswered: u64,
     latencies: Vec<Tick>,
+    lateness: Vec<Tick>,
     overruns: Vec<Overrun>,
 }
 
@@ -55,6 +58,7 @@ impl Pacing {
             frames: 0,
             unanswered: 0,
             latencies: Vec::new(),
+            lateness: Vec::new(),
             overruns: Vec::new(),
         }
     }
@@ -75,7 +79,8 @@ impl Pacing {
                 });
             }
         }
-        if samples.late > self.margin() {
+        self.lateness.push(samples.late);
+        if samples.late >= self.frame {
             self.overruns.push(Overrun {
                 frame: samples.frame,
                 late: Late::Samples(samples.late),
@@ -94,10 +99,20 @@ impl Pacing {
         }
     }
 
-    /// Lateness of samples from which on it counts.
+    /// By how much samples went out after their deadline, a frame each, in order.
     #[must_use]
-    pub fn margin(&self) -> Tick {
-        Tick(self.frame.0 / MARGIN_PARTS)
+    pub fn lateness(&self) -> &[Tick] {
+        &self.lateness
+    }
+
+    /// A tenth of a frame, and the frames whose samples were later than that.
+    #[must_use]
+    pub fn jitter(&self) -> (Tick, usize) {
+        let margin = Tick(self.frame.0 / JITTER_PARTS);
+        (
+            margin,
+            self.lateness.iter().filter(|by| **by > margin).count(),
+        )
     }
 
     /// Frames so far.
@@ -127,21 +142,13 @@ impl Pacing {
         frames.len() as u64
     }
 
-    /// The latency that `part` (0 to 1) of the frames do not exceed; `None` without any.
-    #[must_use]
-    pub fn latency_quantile(&self, part: f64) -> Option<Tick> {
-        let mut sorted = self.latencies.clone();
-        sorted.sort_unstable();
-        let last = sorted.len().checked_sub(1)?;
-        sorted
-            .get((part.clamp(0.0, 1.0) * last as f64).ceil() as usize)
-            .copied()
-    }
-
-    /// For machines: counts, quantiles of the latency in seconds, and every overrun.
+    /// For machines: counts, quantiles of latency and lateness in seconds, and every overrun.
     #[must_use]
     pub fn json(&self) -> Value {
-        let quantile = |part| self.latency_quantile(part).map(Tick::secs);
+        let of = |times: &[Tick], part| quantile(times, part).map(Tick::secs);
+        let latency = |part| of(&self.latencies, part);
+        let lateness = |part| of(&self.lateness, part);
+        let (margin, late) = self.jitter();
         let overruns: Vec<Value> = self
             .overruns
             .iter()
@@ -157,13 +164,28 @@ impl Pacing {
         json!({
             "frames": self.frames,
             "frames_overrun": self.frames_overrun(),
-            "margin_s": self.margin().secs(),
-            "latency_median_s": quantile(0.5),
-            "latency_99_percent_s": quantile(0.99),
-            "latency_max_s": quantile(1.0),
+            "latency_median_s": latency(0.5),
+            "latency_99_percent_s": latency(0.99),
+            "latency_max_s": latency(1.0),
+            "samples_late_median_s": lateness(0.5),
+            "samples_late_99_percent_s": lateness(0.99),
+            "samples_late_max_s": lateness(1.0),
+            "jitter_margin_s": margin.secs(),
+            "samples_beyond_jitter_margin": late,
             "overruns": overruns,
         })
     }
+}
+
+/// The time that `part` (0 to 1) of `times` do not exceed; `None` without any.
+#[must_use]
+pub fn quantile(times: &[Tick], part: f64) -> Option<Tick> {
+    let mut sorted = times.to_vec();
+    sorted.sort_unstable();
+    let last = sorted.len().checked_sub(1)?;
+    sorted
+        .get((part.clamp(0.0, 1.0) * last as f64).ceil() as usize)
+        .copied()
 }
 
 impl std::fmt::Display for Overrun {
@@ -196,8 +218,8 @@ mod tests {
             }
             pacing.observe(&samples);
         };
-        tell(0, RunState::Operate, 100, &[]);
-        tell(1, RunState::Operate, 101, &[(0, 250)]);
+        tell(0, RunState::Operate, 999, &[]);
+        tell(1, RunState::Operate, 1_000, &[(0, 250)]);
         tell(2, RunState::Operate, 0, &[]);
         tell(3, RunState::Operate, 0, &[(1, 2_300), (2, 2_400)]);
         tell(4, RunState::Operate, 0, &[]);
@@ -210,15 +232,17 @@ mod tests {
         assert_eq!(
             frames,
             [
-                (1, Late::Samples(Tick(101))),
+                (1, Late::Samples(Tick(1_000))),
                 (1, Late::Updates(Some(Tick(300)))),
                 (3, Late::Updates(None)),
                 (4, Late::Updates(None)),
             ]
         );
         assert_eq!(pacing.frames_overrun(), 3);
-        assert_eq!(pacing.latency_quantile(0.5), Some(Tick(400)));
-        assert_eq!(pacing.latency_quantile(1.0), Some(Tick(1_300)));
+        assert_eq!(quantile(pacing.latencies(), 0.5), Some(Tick(400)));
+        assert_eq!(quantile(pacing.latencies(), 1.0), Some(Tick(1_300)));
+        assert_eq!(quantile(pacing.lateness(), 1.0), Some(Tick(1_000)));
+        assert_eq!(pacing.jitter(), (Tick(100), 2));
         assert_eq!(pacing.json()["overruns"].as_array().unwrap().len(), 4);
     }
 }

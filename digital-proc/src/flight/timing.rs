@@ -9,6 +9,7 @@ use interface::{
     Tick,
     control::Clock,
     frame::{Samples, Transfer},
+    processor,
 };
 
 /// Who says when updates take effect.
@@ -23,12 +24,14 @@ pub enum Timing<'a> {
 }
 
 impl Timing<'_> {
-    /// As the analog side is told.
+    /// As the analog side is told; on the wall clock both sides may have to share a processor.
     #[must_use]
     pub fn clock(self) -> Clock {
         match self {
             Timing::LockStep => Clock::LockStep,
-            Timing::Wall => Clock::Wall,
+            Timing::Wall => Clock::Wall {
+                processor: processor::to_share(),
+            },
             Timing::Replay(_) => Clock::Replay,
         }
     }

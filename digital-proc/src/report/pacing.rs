@@ -3,7 +3,7 @@
 use super::plot::{Axis, Histogram, Size, histogram};
 use super::table::{Heading, Table};
 use super::{Numbering, Section};
-use crate::flight::pacing::{Late, Pacing};
+use crate::flight::pacing::{Late, Pacing, quantile};
 use interface::Tick;
 use maud::html;
 use std::fmt::Write as _;
@@ -25,27 +25,44 @@ fn microseconds(tick: Tick) -> f64 {
 fn counted(pacing: &Pacing) -> String {
     let (frames, overrun) = (pacing.frames(), pacing.frames_overrun());
     let percent = 100.0 * overrun as f64 / frames.max(1) as f64;
-    let margin = pacing.margin();
     format!(
-        "{overrun} of {frames} frames overran ({percent:.3} %): samples later than {margin}, or updates later than the next samples"
+        "{overrun} of {frames} frames overran ({percent:.3} %): updates not in effect when the next samples were due"
     )
 }
 
-/// The latencies' median, 99 % and maximum, in words.
-fn quantiles(pacing: &Pacing) -> String {
-    let of = |part| pacing.latency_quantile(part).map_or(0.0, microseconds);
+/// Median, 99 % and maximum of these times, in words.
+fn quantiles(times: &[Tick]) -> String {
+    let of = |part| quantile(times, part).map_or(0.0, microseconds);
     format!(
-        "latency from sample to transfer: median {:.0} us, 99 % within {:.0} us, at most {:.0} us",
+        "median {:.0} us, 99 % within {:.0} us, at most {:.0} us",
         of(0.5),
         of(0.99),
         of(1.0)
     )
 }
 
+/// How long updates took.
+fn latencies(pacing: &Pacing) -> String {
+    let times = quantiles(pacing.latencies());
+    format!("latency from sample to transfer: {times}")
+}
+
+/// How late samples went out.
+fn jitter(pacing: &Pacing) -> String {
+    let (margin, late) = pacing.jitter();
+    let times = quantiles(pacing.lateness());
+    format!("samples behind the clock: {times}; {late} by more than {margin}, a tenth of a frame")
+}
+
 /// For a terminal: counts, a histogram by thirds of a decade, the first overruns.
 #[must_use]
 pub fn pacing_text(pacing: &Pacing) -> String {
-    let mut text = format!("{}\n{}\n", counted(pacing), quantiles(pacing));
+    let mut text = format!(
+        "{}\n{}\n{}\n",
+        counted(pacing),
+        jitter(pacing),
+        latencies(pacing)
+    );
     // Bin k holds latencies from 10^(k/3) to 10^((k+1)/3) µs; shorter ones are in the first.
     let mut counts = std::collections::BTreeMap::<i32, usize>::new();
     for latency in pacing.latencies() {
@@ -122,7 +139,7 @@ pub fn pacing_section(pacing: &Pacing) -> Section {
     Section::new(
         "Pacing by the wall clock",
         html! {
-            p { (counted(pacing)) "; " (quantiles(pacing)) "." }
+            p { (counted(pacing)) "; " (latencies(pacing)) "; " (jitter(pacing)) "." }
             (figure)
             @if pacing.overruns().is_empty() {
                 p { "No frame overran." }
@@ -145,7 +162,7 @@ mod tests {
         for frame in 0..40 {
             let mut samples =
                 Samples::new(frame, Tick(1_000_000) * frame as i64, RunState::Operate);
-            samples.late = Tick(200_000 * i64::from(frame % 2 == 1));
+            samples.late = Tick(1_200_000 * i64::from(frame % 2 == 1));
             if let Some(before) = frame.checked_sub(1) {
                 let tick = Tick(1_000_000) * before as i64 + Tick(70_000);
                 samples.transfers[0] = Transfer {
@@ -160,7 +177,8 @@ mod tests {
         for word in [
             "20 of 40 frames overran (50.000 %)",
             "median 70 us",
-            "frame 1: samples 200us late",
+            "20 by more than 100us",
+            "frame 1: samples 1200us late",
             "and 10 more",
         ] {
             assert!(text.contains(word), "{word}\n{text}");

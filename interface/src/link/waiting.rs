@@ -24,9 +24,12 @@ use std::{
 const SPIN: Duration = Duration::from_micros(2);
 /// Time given to the partner on a shared core before the wait sleeps.
 const YIELD: Duration = Duration::from_micros(200);
+/// The same in a wait for a frame on the wall clock, where lateness counts: longer than a fast
+/// frame, since a processor that has gone to sleep may wake up milliseconds late.
+const YIELD_PROMPT: Duration = Duration::from_millis(2);
 /// Shortest block; below it the timer's own slack (50 µs) rules.
 const SLICE_MIN: Duration = Duration::from_micros(50);
-/// Block in a wait for a frame on the wall clock, where lateness counts.
+/// Block in such a wait.
 const SLICE_PROMPT: Duration = Duration::from_micros(100);
 /// Longest block: a dead partner or an interrupt is noticed within it.
 const SLICE_MAX: Duration = Duration::from_millis(20);
@@ -127,7 +130,11 @@ pub(super) fn wait<W: Watch, T>(
             return Ok(found);
         }
     }
-    while start.elapsed() < YIELD {
+    let awake = match limit {
+        Limit::Prompt => YIELD_PROMPT,
+        _ => YIELD,
+    };
+    while start.elapsed() < awake {
         rustix::thread::sched_yield();
         if let Some(found) = attempt(watch)? {
             return Ok(found);

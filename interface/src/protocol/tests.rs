@@ -195,7 +195,7 @@ fn lock_step_loses_no_frame() {
 
 #[test]
 fn the_wall_clock_may_skip_but_never_goes_back() {
-    let mut protocol = operating(Clock::Wall);
+    let mut protocol = operating(Clock::Wall { processor: None });
     protocol.samples(0, RunState::Operate).unwrap();
     protocol.samples(3, RunState::Operate).unwrap();
     protocol.updates(1).unwrap();

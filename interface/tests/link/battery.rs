@@ -317,7 +317,8 @@ fn a_session_on_the_wall_clock_skips_and_takes_late_updates() {
         },
         |port| {
             load(port);
-            port.request(&Request::Operate(spec(Clock::Wall))).unwrap();
+            port.request(&Request::Operate(spec(Clock::Wall { processor: None })))
+                .unwrap();
             let first = port.await_samples(0).unwrap();
             port.send_updates(&updates(&first)).unwrap();
             let third = port.await_samples(3).unwrap();
