@@ -4,13 +4,26 @@
 use std::{
     path::{Path, PathBuf},
     process::{Child, Command, Output, Stdio},
+    sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard},
     time::{Duration, Instant},
 };
 use tempfile::TempDir;
 
+/// Shared by the tests that may run beside others, held alone by those that may not.
+static MACHINE: RwLock<()> = RwLock::new(());
+
 /// A private base directory for sessions and a directory for runs.
+///
+/// One a test: a second one of the same thread would wait for the first.
 pub struct BenchTop {
     dir: TempDir,
+    _machine: Share,
+}
+
+/// Held until the test ends.
+enum Share {
+    Beside(#[expect(dead_code, reason = "a guard")] RwLockReadGuard<'static, ()>),
+    Alone(#[expect(dead_code, reason = "a guard")] RwLockWriteGuard<'static, ()>),
 }
 
 /// The digital processor's binary.
@@ -20,8 +33,23 @@ pub const ANALOG: &str = env!("CARGO_BIN_EXE_analog-proc");
 
 impl BenchTop {
     pub fn new() -> BenchTop {
+        // A test that failed leaves nothing here that others could trip over.
+        BenchTop::with(Share::Beside(
+            MACHINE.read().unwrap_or_else(PoisonError::into_inner),
+        ))
+    }
+
+    /// With no other test's processes beside it, for promises about time.
+    pub fn alone() -> BenchTop {
+        BenchTop::with(Share::Alone(
+            MACHINE.write().unwrap_or_else(PoisonError::into_inner),
+        ))
+    }
+
+    fn with(share: Share) -> BenchTop {
         BenchTop {
             dir: tempfile::tempdir().unwrap(),
+            _machine: share,
         }
     }
 
