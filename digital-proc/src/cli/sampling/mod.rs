@@ -1,11 +1,14 @@
 //! `digital-proc sampling`: what an interface does to a loop, measured beside theory.
 
+mod alpha;
 mod budget;
+mod circle;
 mod converters;
+mod curve;
 mod flight;
 mod functions;
-mod loops;
 mod outcome;
+mod root;
 mod study;
 
 use self::outcome::Outcome;
@@ -51,7 +54,7 @@ enum Experiment {
     /// Without an interface they draw a circle for ever. What is sampled, held and delayed turns it
     /// into a spiral: the growth of the amplitude over one cycle is compared with the exact discrete
     /// map and with the first-order formula exp(pi omega tau_e), tau_e = latency + delay of the hold.
-    Circle(Lab<loops::Circle>),
+    Circle(Lab<circle::Circle>),
     /// A second-order loop closed through the digital side: damping left, and compensations
     ///
     /// A second-order loop x'' + 2 zeta omega0 x' + omega0^2 x = 0 whose stiffness goes through the
@@ -60,7 +63,7 @@ enum Experiment {
     /// Its damping falls by about omega0 (T/2 + latency)/2. Damping and frequency from the run stand
     /// beside the exact eigenvalues of the sampled-data system and Howe's first-order shift, without
     /// and with each compensation: half-frame prediction, an extrapolating DAC, and a lead of T/2 + latency.
-    Root(Lab<loops::Root>),
+    Root(Lab<root::Root>),
     /// Angle of attack conventionally sampled against the redundant integrator
     ///
     /// The alpha loop of the rotational equations, alpha' = q - Z alpha, q' = -omega^2 alpha - D q with
@@ -71,7 +74,7 @@ enum Experiment {
     /// the tables, and is only corrected slowly by K times the error of the digital alpha. Roots stand
     /// beside those of the multi-rate monodromy matrix; a sweep shows where each becomes unstable. The
     /// correction has its price: with K = 0.5 one frame late the loop is unstable.
-    Alpha(Lab<loops::Alpha>),
+    Alpha(Lab<alpha::Alpha>),
     /// All-digital, hybrid and local-cell function generation: lag and error
     ///
     /// One function C(alpha, M) generated three ways at once, beside the exact analog one.
