@@ -4,6 +4,7 @@
 //! once, at load, so that a frame touches only indices. It knows nothing of
 //! rockets and refuses a name that the patch does not have, with the nearest one.
 
+use crate::file_fault::suggestion;
 use interface::{
     Tick,
     control::{Channel, ChannelKind, Overload, PatchBundle, Reply, Request, RunSpec},
@@ -38,14 +39,14 @@ pub enum ConsoleFault {
         found: u64,
     },
     /// The patch has no such channel.
-    #[error("the patch has no {kind} `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
+    #[error("the patch has no {kind} `{name}`; {remedy}")]
     NoChannel {
         /// Kind of channel.
         kind: &'static str,
         /// The name asked for.
         name: String,
-        /// The nearest name of that kind.
-        nearest: Option<String>,
+        /// The nearest name of that kind, or all of them.
+        remedy: String,
     },
     /// An answer that does not fit the request.
     #[error(
@@ -138,10 +139,7 @@ impl<'p> Console<'p> {
             .find(|c| c.name == name)
             .map(|c| c.number as usize)
             .ok_or_else(|| {
-                let nearest = of_kind()
-                    .map(|c| (strsim::damerau_levenshtein(&c.name, name), &c.name))
-                    .min()
-                    .map(|(_, n)| n.clone());
+                let remedy = suggestion(name, of_kind().map(|c| c.name.as_str()));
                 let kind = match kind {
                     ChannelKind::Adc => "ADC",
                     ChannelKind::Dac => "DAC",
@@ -153,7 +151,7 @@ impl<'p> Console<'p> {
                 ConsoleFault::NoChannel {
                     kind,
                     name: name.to_owned(),
-                    nearest,
+                    remedy,
                 }
             })
     }

@@ -10,6 +10,7 @@ pub mod atmosphere;
 pub mod cli;
 pub mod console;
 pub mod executive;
+pub mod file_fault;
 pub mod flight;
 pub mod flight_mode;
 pub mod flight_summary;

@@ -3,7 +3,6 @@
 pub mod case_study;
 pub mod claim;
 pub mod failure_file;
-pub mod fault;
 pub mod gain_design;
 pub mod long_period;
 pub mod sensitivity;

@@ -9,8 +9,8 @@
 mod aero;
 mod check;
 mod data;
-mod fault;
 mod mass;
+mod places;
 mod thrust;
 
 use std::path::Path;
@@ -21,10 +21,10 @@ pub use data::{
     Limits, LongPeriodCase, Mass, PitchProgrammeData, ScheduleData, Site, Thrust, Tvc, VehicleData,
     WindData, WindStatistics,
 };
-pub use fault::{VehicleError, VehicleFault};
 pub use mass::{MassModel, MassProperties};
 pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};
 
+use crate::file_fault::{self, FileFault, FileFaults, Source};
 use crate::gain_schedule::GainSchedule;
 use crate::pitch_programme::PitchProgramme;
 use crate::table::{Table, TableError};
@@ -71,46 +71,37 @@ pub struct BendingMode {
 
 impl Vehicle {
     /// The shipped, SLV-3-like first stage.
-    pub fn shipped() -> Result<Self, VehicleError> {
+    pub fn shipped() -> Result<Self, FileFaults> {
         Self::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
     }
 
     /// Reads a user's file.
-    pub fn load(path: &Path) -> Result<Self, VehicleError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| VehicleError::Unreadable {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?;
-        Self::from_toml(&file, &text)
+    pub fn load(path: &Path) -> Result<Self, FileFaults> {
+        file_fault::load(path, Self::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
-    pub fn from_toml(file: &str, text: &str) -> Result<Self, VehicleError> {
-        let data = toml::from_str(text)
-            .map_err(|error| VehicleError::Faults(vec![fault::reader_fault(file, text, &error)]))?;
+    pub fn from_toml(file: &str, text: &str) -> Result<Self, FileFaults> {
+        let data = Source { file, text }.parse()?;
         Self::checked(file, Some(text), data)
     }
 
     /// Builds from data in memory; faults then carry keys but no lines.
-    pub fn from_data(data: VehicleData) -> Result<Self, VehicleError> {
+    pub fn from_data(data: VehicleData) -> Result<Self, FileFaults> {
         Self::checked("vehicle data", None, data)
     }
 
-    fn checked(file: &str, text: Option<&str>, data: VehicleData) -> Result<Self, VehicleError> {
-        let faults = check::faults(file, text, &data);
-        if !faults.is_empty() {
-            return Err(VehicleError::Faults(faults));
-        }
+    fn checked(file: &str, text: Option<&str>, data: VehicleData) -> Result<Self, FileFaults> {
+        FileFaults::unless(check::faults(file, text, &data), ())?;
         Self::compile(data).map_err(|error| {
             // The check covers every table; this reports one it might miss.
-            VehicleError::Faults(vec![VehicleFault {
+            let fault = FileFault {
                 file: file.to_owned(),
                 place: None,
-                key: String::new(),
                 fault: error.to_string(),
                 remedy: "correct the table".to_owned(),
-            }])
+            };
+            fault.into()
         })
     }
 

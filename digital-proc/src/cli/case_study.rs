@@ -105,7 +105,7 @@ impl CaseStudy {
         write_traces(&results.short, &directory, SHORT_PERIOD_FILE)?;
         write_histories(&results, &plan, &directory)?;
         let mut parameters = toml::Table::new();
-        self.input.record(&mut parameters, &vehicle, &study);
+        self.input.record(&mut parameters, &vehicle, &study)?;
         parameters.insert("failure-file".to_owned(), failures.file.clone().into());
         let mut patches = results.short.answers.patches.clone();
         patches.push(stage_patch);

@@ -58,7 +58,13 @@ impl DesignGains {
         }
         let vehicle = self.study.vehicle()?;
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let mut run = StudyRun::begin("design-gains", &self.study, &self.machine, &vehicle)?;
+        let mut run = StudyRun::begin(
+            "design-gains",
+            &self.study,
+            &self.machine,
+            &profile,
+            &vehicle,
+        )?;
         run.set("evaluations", self.evaluations as i64);
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());

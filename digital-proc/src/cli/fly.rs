@@ -1,6 +1,6 @@
 //! `digital-proc fly`: one long-period flight.
 
-use super::{Context, Failure, MachineArgs};
+use super::{Context, Failure, MachineArgs, vehicle_args::VehicleArgs};
 use crate::{
     console::Console,
     flight::{
@@ -27,7 +27,7 @@ use crate::{
 };
 use clap::ValueEnum;
 use interface::{Tick, frame::Samples, profile::Profile};
-use std::{collections::BTreeMap, path::PathBuf, time::SystemTime};
+use std::{path::PathBuf, time::SystemTime};
 
 /// Rows in one batch of the trace: what a crash may cost.
 pub const BATCH_ROWS: usize = 64;
@@ -88,9 +88,8 @@ pub struct Fly {
     /// How the angle of attack reaches the rotational equations
     #[arg(long, value_enum, default_value = "redundant")]
     alpha: AlphaName,
-    /// Vehicle data set of your own [default: the shipped first stage]
-    #[arg(long, value_name = "FILE")]
-    vehicle: Option<PathBuf>,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
     /// Directory for runs; each run makes its own directory there
     #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
     out: PathBuf,
@@ -108,11 +107,7 @@ enum AlphaName {
 
 impl Fly {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
-        let vehicle = match &self.vehicle {
-            Some(path) => Vehicle::load(path),
-            None => Vehicle::shipped(),
-        }
-        .map_err(Failure::input)?;
+        let vehicle = self.vehicle.load()?;
         let plan_record = self.plan_record(&vehicle)?;
         let plan = plan_record.plan(&vehicle)?;
         let started = UtcSecond::from_system(SystemTime::now());
@@ -305,22 +300,15 @@ impl Fly {
         started: UtcSecond,
         patch_hash: &str,
     ) -> Result<RunRecord, Failure> {
+        let command = format!("fly {}", self.mode);
+        let link = self.machine.join.link_name();
         Ok(RunRecord {
-            command: format!("fly {}", self.mode),
-            command_line: std::env::args().collect(),
-            started: started.to_string(),
-            profile: plan.profile.name.clone(),
-            link: self.machine.join.link_name().to_owned(),
-            versions: BTreeMap::from([(
-                "hybrid-computer".to_owned(),
-                env!("CARGO_PKG_VERSION").to_owned(),
-            )]),
             patch: Some(PatchIdentity {
                 name: "long-period.toml".to_owned(),
                 sha256: patch_hash.to_owned(),
             }),
-            seeds: BTreeMap::new(),
             parameters: plan.to_parameters().map_err(Failure::input)?,
+            ..RunRecord::begin(command, started, &plan.profile.name, link)
         })
     }
 }

@@ -58,7 +58,13 @@ impl LongPeriod {
             .map_err(Failure::input)?;
         let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let mut record = StudyRun::begin("long-period", &self.study, &self.machine, &vehicle)?;
+        let mut record = StudyRun::begin(
+            "long-period",
+            &self.study,
+            &self.machine,
+            &profile,
+            &vehicle,
+        )?;
         record.set("failures", failures.file.as_str());
         let plan = LongPeriodPlan::new(failures.modes.clone(), profile);
         let mut machine = self.machine.start(context)?;

@@ -16,6 +16,7 @@ mod sensitivity;
 mod short_period;
 mod study_input;
 mod study_run;
+mod vehicle_args;
 
 pub use failure::Failure;
 

@@ -3,6 +3,7 @@
 use super::{Context, Failure, JoinArgs, failure::CHECK_FAILED, fly::BATCH_ROWS};
 use crate::{
     console::{Console, ConsoleFault},
+    file_fault::Source,
     flight::{
         FlightFault, Stage, Timing, TransferLog,
         plan_record::{Pace, PlanRecord},
@@ -13,7 +14,6 @@ use crate::{
         DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
         TRANSFERS_FILE, Trace, TraceWriter, first_difference, resolve,
     },
-    study::fault::Source,
 };
 use serde_json::json;
 use std::path::PathBuf;
@@ -47,14 +47,12 @@ impl Replay {
         let path = directory.file(RECORD_FILE);
         let text = std::fs::read_to_string(&path)
             .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
-        let record: RunRecord = toml::from_str(&text).map_err(|error| {
-            let file = path.display().to_string();
-            let source = Source {
-                file: &file,
-                text: &text,
-            };
-            Failure::input(source.reader_fault(&error))
-        })?;
+        let file = path.display().to_string();
+        let source = Source {
+            file: &file,
+            text: &text,
+        };
+        let record: RunRecord = source.parse().map_err(Failure::input)?;
         if record.command.split(' ').next() != Some("fly") {
             return Err(Failure::input(format!(
                 "`{}` is a run of `{}`; only flights can be replayed",

@@ -41,7 +41,13 @@ impl Sensitivity {
         }
         .map_err(Failure::input)?;
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let mut record = StudyRun::begin("sensitivity", &self.study, &self.machine, &vehicle)?;
+        let mut record = StudyRun::begin(
+            "sensitivity",
+            &self.study,
+            &self.machine,
+            &profile,
+            &vehicle,
+        )?;
         if let Some(file) = &self.dispersions {
             record.set("dispersions", file.display().to_string());
         }

@@ -133,7 +133,7 @@ impl Runs {
         if let Some(point) = &self.point {
             parameters.insert("point".to_owned(), point.as_str().into());
         }
-        self.input.record(&mut parameters, &vehicle, &study);
+        self.input.record(&mut parameters, &vehicle, &study)?;
         let record = record(
             command,
             &self.machine,

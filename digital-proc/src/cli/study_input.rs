@@ -1,17 +1,17 @@
 //! What the study commands read before they run: vehicle, study, selection, record.
 
-use super::{Failure, MachineArgs};
+use super::{
+    Failure, MachineArgs,
+    vehicle_args::{self, VehicleArgs},
+};
 use crate::{
+    file_fault::suggestion,
     run_dir::{Column, RunDirectory, RunRecord, TraceError, TraceWriter, UtcSecond},
-    study::{
-        fault::suggestion,
-        short_period::{plan::Plan, study_file::Study},
-    },
+    study::short_period::{plan::Plan, study_file::Study},
     vehicle::Vehicle,
 };
 use interface::{Tick, profile::Profile};
 use std::{
-    collections::BTreeMap,
     fs::File,
     path::{Path, PathBuf},
 };
@@ -25,19 +25,14 @@ pub struct StudyArgs {
     /// Study file of your own: trajectory points and operating conditions [default: the shipped study]
     #[arg(long, value_name = "FILE")]
     pub study: Option<PathBuf>,
-    /// Vehicle data set of your own [default: the shipped first stage]
-    #[arg(long, value_name = "FILE")]
-    pub vehicle: Option<PathBuf>,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
 }
 
 impl StudyArgs {
     /// Reads and checks both files.
     pub fn load(&self) -> Result<(Vehicle, Study), Failure> {
-        let vehicle = match &self.vehicle {
-            Some(path) => Vehicle::load(path),
-            None => Vehicle::shipped(),
-        }
-        .map_err(Failure::input)?;
+        let vehicle = self.vehicle.load()?;
         let study = match &self.study {
             Some(path) => Study::load(path),
             None => Study::shipped(),
@@ -47,11 +42,14 @@ impl StudyArgs {
     }
 
     /// Names of the files for the record.
-    pub fn record(&self, parameters: &mut toml::Table, vehicle: &Vehicle, study: &Study) {
+    pub fn record(
+        &self,
+        parameters: &mut toml::Table,
+        vehicle: &Vehicle,
+        study: &Study,
+    ) -> Result<(), Failure> {
         parameters.insert("study-file".to_owned(), study.file.clone().into());
-        if let Ok(data) = toml::Value::try_from(vehicle.data()) {
-            parameters.insert("vehicle".to_owned(), data);
-        }
+        vehicle_args::record(vehicle, parameters)
     }
 }
 
@@ -71,18 +69,8 @@ pub fn record(
     parameters.insert("patch-sha256".to_owned(), hashes.into());
     let link = machine.join.link_name();
     RunRecord {
-        command: command.to_owned(),
-        command_line: std::env::args().collect(),
-        started: started.to_string(),
-        profile: profile.name.clone(),
-        link: link.to_owned(),
-        versions: BTreeMap::from([(
-            "hybrid-computer".to_owned(),
-            env!("CARGO_PKG_VERSION").to_owned(),
-        )]),
-        patch: None,
-        seeds: BTreeMap::new(),
         parameters,
+        ..RunRecord::begin(command, started, &profile.name, link)
     }
 }
 

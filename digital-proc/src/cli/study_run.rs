@@ -1,20 +1,23 @@
 //! What the study commands share: vehicle, run directory, record.
 
-use super::{Failure, MachineArgs};
+use super::{
+    Failure, MachineArgs,
+    vehicle_args::{self, VehicleArgs},
+};
 use crate::{
     report::{Section, page, provenance},
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
     vehicle::Vehicle,
 };
+use interface::profile::Profile;
 use serde::Serialize;
-use std::{collections::BTreeMap, path::PathBuf, time::SystemTime};
+use std::{path::PathBuf, time::SystemTime};
 
 /// Vehicle and run directory of a study.
 #[derive(clap::Args)]
 pub(super) struct StudyArgs {
-    /// Vehicle data set of your own [default: the shipped first stage]
-    #[arg(long, value_name = "FILE")]
-    vehicle: Option<PathBuf>,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
     /// Directory for runs; each run makes its own directory there
     #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
     out: PathBuf,
@@ -22,11 +25,7 @@ pub(super) struct StudyArgs {
 
 impl StudyArgs {
     pub fn vehicle(&self) -> Result<Vehicle, Failure> {
-        match &self.vehicle {
-            Some(path) => Vehicle::load(path),
-            None => Vehicle::shipped(),
-        }
-        .map_err(Failure::input)
+        self.vehicle.load()
     }
 }
 
@@ -37,38 +36,22 @@ pub(super) struct StudyRun {
 }
 
 impl StudyRun {
-    /// Claims a directory and starts the record; `patches` are names and hashes.
+    /// Claims a directory and starts the record in it.
     pub fn begin(
         command: &str,
         args: &StudyArgs,
         machine: &MachineArgs,
+        profile: &Profile,
         vehicle: &Vehicle,
     ) -> Result<StudyRun, Failure> {
         let started = UtcSecond::from_system(SystemTime::now());
         let directory =
             RunDirectory::create(&args.out, command, started).map_err(Failure::input)?;
         let link = machine.join.link_name();
-        let mut parameters = toml::Table::new();
-        if let Ok(data) = toml::Value::try_from(vehicle.data()) {
-            parameters.insert("vehicle".to_owned(), data);
-        }
-        Ok(StudyRun {
-            directory,
-            record: RunRecord {
-                command: command.to_owned(),
-                command_line: std::env::args().collect(),
-                started: started.to_string(),
-                profile: machine.profile.clone(),
-                link: link.to_owned(),
-                versions: BTreeMap::from([(
-                    "hybrid-computer".to_owned(),
-                    env!("CARGO_PKG_VERSION").to_owned(),
-                )]),
-                patch: None,
-                seeds: BTreeMap::new(),
-                parameters,
-            },
-        })
+        let mut record = RunRecord::begin(command, started, &profile.name, link);
+        vehicle_args::record(vehicle, &mut record.parameters)?;
+        directory.write_record(&record).map_err(Failure::input)?;
+        Ok(StudyRun { directory, record })
     }
 
     /// Notes a parameter of the run.

@@ -8,11 +8,11 @@
 use super::{AlphaPath, FlightPlan};
 use crate::{
     executive::Rate,
+    file_fault::{FileFaults, Source},
     flight_mode::FlightScript,
     reference::FlightCase,
-    study::fault::{FileFault, Source},
     table::TableError,
-    vehicle::{Vehicle, VehicleData, VehicleError},
+    vehicle::{Vehicle, VehicleData},
     wind::{Wind, WindDirection},
 };
 use clap::ValueEnum;
@@ -108,7 +108,7 @@ pub enum PlanFault {
     Wind(#[from] TableError),
     /// The vehicle.
     #[error(transparent)]
-    Vehicle(#[from] VehicleError),
+    Vehicle(#[from] FileFaults),
 }
 
 impl PlanRecord {
@@ -179,18 +179,15 @@ impl PlanRecord {
     /// Reads the `parameters` in the text of a `run.toml`; `path` serves faults only.
     ///
     /// # Errors
-    /// [`FileFault`] with the line.
-    pub fn from_run_toml(path: &Path, text: &str) -> Result<PlanRecord, FileFault> {
+    /// The fault with its line.
+    pub fn from_run_toml(path: &Path, text: &str) -> Result<PlanRecord, FileFaults> {
         #[derive(Deserialize)]
         struct Whole {
             parameters: PlanRecord,
         }
-        toml::from_str::<Whole>(text)
-            .map(|whole| whole.parameters)
-            .map_err(|error| {
-                let file = path.display().to_string();
-                Source { file: &file, text }.reader_fault(&error)
-            })
+        let file = path.display().to_string();
+        let whole: Whole = Source { file: &file, text }.parse()?;
+        Ok(whole.parameters)
     }
 }
 

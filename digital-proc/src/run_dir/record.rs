@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use super::UtcSecond;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The record of one run. Times live here and never in the trace, so that equal runs have
@@ -73,6 +74,30 @@ impl<'de> Deserialize<'de> for Seed {
 }
 
 impl RunRecord {
+    /// The record of a run of this command line that starts now, with nothing set yet.
+    #[must_use]
+    pub fn begin(
+        command: impl Into<String>,
+        started: UtcSecond,
+        profile: &str,
+        link: &str,
+    ) -> RunRecord {
+        RunRecord {
+            command: command.into(),
+            command_line: std::env::args().collect(),
+            started: started.to_string(),
+            profile: profile.to_owned(),
+            link: link.to_owned(),
+            versions: BTreeMap::from([(
+                "hybrid-computer".to_owned(),
+                env!("CARGO_PKG_VERSION").to_owned(),
+            )]),
+            patch: None,
+            seeds: BTreeMap::new(),
+            parameters: toml::Table::new(),
+        }
+    }
+
     /// The record as the text of `run.toml`.
     pub(super) fn to_toml(&self) -> Result<String, toml::ser::Error> {
         Ok(format!(

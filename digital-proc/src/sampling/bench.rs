@@ -13,11 +13,14 @@ use super::{
     },
     feedback::{CircleRow, CircleSetting, RootRow, RootSetting},
     function_generation::{Correlated, FunctionRow, FunctionSetting, Way},
+    loop_study::{LoopCase, LoopRow, LoopStudy},
     plan::{LabError, RunPlan},
-    study_file::{LoopCase, LoopRow, LoopStudy, StudyFaults},
     theory::hold::Hold,
 };
-use crate::console::{Console, ConsoleFault};
+use crate::{
+    console::{Console, ConsoleFault},
+    file_fault::FileFaults,
+};
 use interface::{
     Tick,
     control::{Clock, PatchBundle, RunSpec},
@@ -37,7 +40,7 @@ pub enum BenchFault {
     Lab(#[from] LabError),
     /// The user's study.
     #[error(transparent)]
-    Study(#[from] StudyFaults),
+    Study(#[from] FileFaults),
     /// A shipped patch that is not built in.
     #[error("there is no shipped patch `{0}`; the laboratory's are {list}", list = shipped_names())]
     NoPatch(String),

@@ -15,9 +15,9 @@ pub mod function_generation;
 pub mod identify;
 pub mod loop_back;
 pub mod loop_law;
+pub mod loop_study;
 #[cfg(test)]
 mod plain_machine;
 pub mod plan;
-pub mod study_file;
 pub mod table;
 pub mod theory;

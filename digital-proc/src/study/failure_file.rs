@@ -5,8 +5,8 @@
 //! says what happens to the control system and when; wind and misalignments
 //! belong to the flight, not here.
 
+use crate::file_fault::{self, FileFault, FileFaults, Source, suggestion};
 use crate::flight_mode::{Action, Effect, FlightMode, FlightScript, Part, Schedule};
-use crate::study::fault::{FileFault, Source, suggestion};
 use serde::Deserialize;
 use std::{path::Path, sync::LazyLock};
 use toml::Spanned;
@@ -18,32 +18,6 @@ pub const SHIPPED_NAME: &str = "digital-proc/data/failures.toml";
 
 /// Largest factor on a gain or an effectiveness.
 const LARGEST_FACTOR: f64 = 100.0;
-
-/// A failure file that was refused, or a mode that it lacks.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FailureFileError {
-    /// The file could not be read.
-    #[error("{file}: cannot be read: {reason}; check the path and its permissions")]
-    Unreadable {
-        /// File as named by the caller.
-        file: String,
-        /// The operating system's reason.
-        reason: String,
-    },
-    /// One or more faults in the text.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-    Faults(Vec<FileFault>),
-    /// No such mode.
-    #[error("{file} has no mode `{name}`; {remedy}")]
-    NoMode {
-        /// File as named by the caller.
-        file: String,
-        /// The name asked for.
-        name: String,
-        /// The nearest name, or all of them.
-        remedy: String,
-    },
-}
 
 /// A checked failure file.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,24 +43,18 @@ impl FailureFile {
     /// Reads a user's file.
     ///
     /// # Errors
-    /// [`FailureFileError`] with every fault found.
-    pub fn load(path: &Path) -> Result<FailureFile, FailureFileError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| FailureFileError::Unreadable {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?;
-        FailureFile::from_toml(&file, &text)
+    /// Every fault found.
+    pub fn load(path: &Path) -> Result<FailureFile, FileFaults> {
+        file_fault::load(path, FailureFile::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
     ///
     /// # Errors
-    /// [`FailureFileError::Faults`] with every fault found.
-    pub fn from_toml(file: &str, text: &str) -> Result<FailureFile, FailureFileError> {
+    /// Every fault found.
+    pub fn from_toml(file: &str, text: &str) -> Result<FailureFile, FileFaults> {
         let source = Source { file, text };
-        let raw: RawFile = toml::from_str(text)
-            .map_err(|error| FailureFileError::Faults(vec![source.reader_fault(&error)]))?;
+        let raw: RawFile = source.parse()?;
         let mut faults = Vec::new();
         let mut modes: Vec<FlightScript> = Vec::new();
         for raw in raw.mode {
@@ -95,7 +63,7 @@ impl FailureFile {
                 faults.push(source.fault(
                     raw.name.span(),
                     format!("a second mode named `{name}`"),
-                    "rename one of them".to_owned(),
+                    "rename one of them",
                 ));
             }
             modes.push(raw.script(&source, &mut faults));
@@ -103,33 +71,30 @@ impl FailureFile {
         if modes.is_empty() {
             faults.push(source.fault(
                 0..0,
-                "there is no mode".to_owned(),
-                "write at least one [[mode]] with a name".to_owned(),
+                "there is no mode",
+                "write at least one [[mode]] with a name",
             ));
         }
-        if faults.is_empty() {
-            Ok(FailureFile {
-                file: file.to_owned(),
-                modes,
-            })
-        } else {
-            Err(FailureFileError::Faults(faults))
-        }
+        let file = file.to_owned();
+        FileFaults::unless(faults, FailureFile { file, modes })
     }
 
     /// The mode of a name.
     ///
     /// # Errors
-    /// [`FailureFileError::NoMode`] with the nearest name.
-    pub fn mode(&self, name: &str) -> Result<&FlightScript, FailureFileError> {
-        self.modes
-            .iter()
-            .find(|mode| mode.name == name)
-            .ok_or_else(|| FailureFileError::NoMode {
+    /// There is none; the remedy names the nearest.
+    pub fn mode(&self, name: &str) -> Result<&FlightScript, FileFaults> {
+        let found = self.modes.iter().find(|mode| mode.name == name);
+        found.ok_or_else(|| {
+            let known = self.modes.iter().map(|m| m.name.as_str());
+            let fault = FileFault {
                 file: self.file.clone(),
-                name: name.to_owned(),
-                remedy: suggestion(name, self.modes.iter().map(|m| m.name.as_str())),
-            })
+                place: None,
+                fault: format!("has no mode `{name}`"),
+                remedy: suggestion(name, known),
+            };
+            fault.into()
+        })
     }
 }
 
@@ -294,9 +259,7 @@ actions = [
 [[mode]]
 name = "a"
 "#;
-        let Err(FailureFileError::Faults(faults)) = FailureFile::from_toml("my.toml", text) else {
-            panic!("accepted");
-        };
+        let faults = FailureFile::from_toml("my.toml", text).unwrap_err().0;
         let lines: Vec<usize> = faults.iter().map(|f| f.place.unwrap().0).collect();
         assert_eq!(lines, [5, 6, 7, 10], "{faults:?}");
     }

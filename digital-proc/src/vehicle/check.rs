@@ -7,7 +7,8 @@
 use std::cell::OnceCell;
 
 use super::data::{ScheduleData, VehicleData};
-use super::fault::{Places, VehicleFault};
+use super::places::Places;
+use crate::file_fault::{FileFault, Source};
 use crate::table::{TableError, first_abscissa_fault};
 
 /// What a number must be.
@@ -40,10 +41,10 @@ impl Must {
 /// Collects faults with their places.
 struct Checker<'t> {
     file: &'t str,
-    text: Option<&'t str>,
+    source: Option<Source<'t>>,
     /// Parsed only when there is something to report.
     places: OnceCell<Places<'t>>,
-    faults: Vec<VehicleFault>,
+    faults: Vec<FileFault>,
 }
 
 impl Checker<'_> {
@@ -56,14 +57,13 @@ impl Checker<'_> {
         remedy: &str,
     ) {
         let element = index.map_or_else(String::new, |i| format!("[{i}]"));
-        self.faults.push(VehicleFault {
+        self.faults.push(FileFault {
             file: self.file.to_owned(),
-            place: self.text.and_then(|text| {
-                let places = self.places.get_or_init(|| Places::of(text));
+            place: self.source.and_then(|source| {
+                let places = self.places.get_or_init(|| Places::of(source));
                 places.find(section, key, index)
             }),
-            key: format!("{section}.{key}{element}"),
-            fault,
+            fault: format!("{section}.{key}{element}: {fault}"),
             remedy: remedy.to_owned(),
         });
     }
@@ -127,10 +127,10 @@ impl Checker<'_> {
 }
 
 /// All faults of `data`; `text` is the TOML it came from, if it came from one.
-pub(crate) fn faults(file: &str, text: Option<&str>, data: &VehicleData) -> Vec<VehicleFault> {
+pub(crate) fn faults(file: &str, text: Option<&str>, data: &VehicleData) -> Vec<FileFault> {
     let mut check = Checker {
         file,
-        text,
+        source: text.map(|text| Source { file, text }),
         places: OnceCell::new(),
         faults: Vec::new(),
     };

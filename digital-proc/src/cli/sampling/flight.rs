@@ -2,7 +2,7 @@
 
 use super::{Measure, outcome::Outcome};
 use crate::{
-    cli::Failure,
+    cli::{Failure, vehicle_args::VehicleArgs},
     flight_mode::FlightMode,
     progress::Progress,
     reference::FlightCase,
@@ -14,10 +14,8 @@ use crate::{
         bench::Bench,
         flight::{FlightRow, Partition, row},
     },
-    vehicle::Vehicle,
 };
 use interface::Tick;
-use std::path::PathBuf;
 
 /// Settings of [`super::Experiment::Flight`], whose text is the help.
 #[derive(clap::Args)]
@@ -33,18 +31,13 @@ pub struct Flight {
     /// End of each flight, after 25 s
     #[arg(long, default_value = "40s", value_name = "TIME")]
     until: Tick,
-    /// Vehicle data set of your own [default: the shipped first stage]
-    #[arg(long, value_name = "FILE")]
-    vehicle: Option<PathBuf>,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
 }
 
 impl Measure for Flight {
     fn measure(&self, bench: &mut Bench<'_, '_>) -> Result<Outcome, Failure> {
-        let vehicle = match &self.vehicle {
-            Some(path) => Vehicle::load(path),
-            None => Vehicle::shipped(),
-        }
-        .map_err(Failure::input)?;
+        let vehicle = self.vehicle.load()?;
         if self.until < Tick(25_000_000_000) {
             return Err(Failure::input(
                 "--until must be at least 25s, the step of the command comes at 20 s",

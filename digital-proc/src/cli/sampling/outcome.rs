@@ -124,21 +124,13 @@ impl Outcome {
         let directory = RunDirectory::create(out, &command, started).map_err(Failure::input)?;
         let link = machine.join.link_name();
         let record = RunRecord {
-            command: format!("sampling {}", self.name),
-            command_line: std::env::args().collect(),
-            started: started.to_string(),
-            profile: profile.to_owned(),
-            link: link.to_owned(),
-            versions: BTreeMap::from([(
-                "hybrid-computer".to_owned(),
-                env!("CARGO_PKG_VERSION").to_owned(),
-            )]),
             patch: Some(PatchIdentity {
                 name: self.patch.clone(),
                 sha256: patch_hash,
             }),
             seeds: self.seeds.clone(),
             parameters: self.parameters.clone(),
+            ..RunRecord::begin(format!("sampling {}", self.name), started, profile, link)
         };
         directory.write_record(&record).map_err(Failure::input)?;
         for titled in &self.tables {

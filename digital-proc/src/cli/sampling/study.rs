@@ -11,7 +11,7 @@ use crate::{
     },
     sampling::{
         bench::Bench,
-        study_file::{self, LoopRow},
+        loop_study::{self, LoopRow},
     },
 };
 use std::path::PathBuf;
@@ -26,25 +26,17 @@ pub struct Loop {
 
 impl Measure for Loop {
     fn measure(&self, bench: &mut Bench<'_, '_>) -> Result<Outcome, Failure> {
-        let file = self.study.display().to_string();
-        let text = std::fs::read_to_string(&self.study)
-            .map_err(|e| Failure::input(format!("cannot read the study {file}: {e}")))?;
-        let study = study_file::parse(&file, &text).map_err(Failure::input)?;
+        let study = loop_study::load(&self.study).map_err(Failure::input)?;
         let folder = self.study.parent().unwrap_or(std::path::Path::new(""));
-        let bundle = bundle_from_path(&folder.join(&study.patch)).map_err(|e| {
-            let line = text
-                .lines()
-                .position(|l| l.trim_start().starts_with("patch"))
-                .map_or(1, |i| i + 1);
-            Failure::input(format!("{file}:{line}: {e}"))
-        })?;
+        let bundle = bundle_from_path(&folder.join(study.patch()))
+            .map_err(|fault| Failure::input(study.patch_fault(fault.to_string())))?;
         let mut outcome = Outcome::new(
             "loop",
-            study.patch.clone(),
+            study.patch(),
             study.title.clone(),
             "The least damped mode of the measured record over frame period, latency and bits.",
         );
-        outcome.set("study", text.clone());
+        outcome.set("study", study.text());
         let mut table = Table::new(vec![
             Heading::new("frame", "s"),
             Heading::new("latency", "s"),

@@ -9,13 +9,14 @@
 use super::schedule;
 use crate::{
     console::Console,
+    file_fault::FileFaults,
     flight::Stage,
     flight_mode::FlightScript,
     study::long_period::{
         results::{Acceptance, Departure, FlightFigures, FlightWind},
         run::{Bench, LongPeriodPlan, StudyFault},
     },
-    vehicle::{ScheduleData, Vehicle, VehicleError},
+    vehicle::{ScheduleData, Vehicle},
 };
 use serde::Serialize;
 
@@ -32,7 +33,7 @@ pub enum MergeFault {
     Study(#[from] StudyFault),
     /// A merged schedule that the vehicle refuses.
     #[error(transparent)]
-    Vehicle(#[from] VehicleError),
+    Vehicle(#[from] FileFaults),
 }
 
 /// A schedule and what its flights came to.

@@ -1,8 +1,9 @@
 //! A gain schedule being designed: its form in the vehicle file, and back.
 
 use crate::{
+    file_fault::FileFaults,
     gain_schedule::LoopGains,
-    vehicle::{ScheduleData, Vehicle, VehicleData, VehicleError},
+    vehicle::{ScheduleData, Vehicle, VehicleData},
 };
 use std::fmt::Write;
 
@@ -62,8 +63,8 @@ pub fn gains(schedule: &ScheduleData, i: usize) -> LoopGains {
 /// The vehicle with another designed schedule.
 ///
 /// # Errors
-/// [`VehicleError`] when the schedule is not a valid one.
-pub fn with_designed(vehicle: &Vehicle, schedule: &ScheduleData) -> Result<Vehicle, VehicleError> {
+/// [`FileFaults`] when the schedule is not a valid one.
+pub fn with_designed(vehicle: &Vehicle, schedule: &ScheduleData) -> Result<Vehicle, FileFaults> {
     let mut data: VehicleData = vehicle.data().clone();
     let gains = &mut data.gains;
     gains.switch_time_s.clone_from(&schedule.switch_time_s);

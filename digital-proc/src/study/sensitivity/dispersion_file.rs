@@ -1,13 +1,11 @@
 //! The dispersion file: what is dispersed, by how much, and at which points.
 
 use crate::{
+    file_fault::{self, FileFault, FileFaults, Source, suggestion},
     slice::POINTS,
-    study::{
-        fault::{FileFault, Source, suggestion},
-        short_period::{
-            point::FrozenPoint,
-            quantity::{QUANTITIES, Quantity},
-        },
+    study::short_period::{
+        point::FrozenPoint,
+        quantity::{QUANTITIES, Quantity},
     },
     vehicle::Vehicle,
 };
@@ -22,22 +20,6 @@ pub const SHIPPED_NAME: &str = "digital-proc/data/dispersions.toml";
 
 /// Most dispersions: the corners double with each.
 pub const MOST: usize = 14;
-
-/// A dispersion file that was refused.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum DispersionError {
-    /// The file could not be read.
-    #[error("{file}: cannot be read: {reason}; check the path and its permissions")]
-    Unreadable {
-        /// File as named by the caller.
-        file: String,
-        /// The operating system's reason.
-        reason: String,
-    },
-    /// One or more faults in the text.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-    Faults(Vec<FileFault>),
-}
 
 /// A checked dispersion file.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,31 +110,25 @@ impl Dispersions {
     ///
     /// # Errors
     /// None as shipped; a unit test reads it.
-    pub fn shipped() -> Result<Dispersions, DispersionError> {
+    pub fn shipped() -> Result<Dispersions, FileFaults> {
         Dispersions::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
     }
 
     /// Reads a user's file.
     ///
     /// # Errors
-    /// [`DispersionError`] with every fault found.
-    pub fn load(path: &Path) -> Result<Dispersions, DispersionError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| DispersionError::Unreadable {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?;
-        Dispersions::from_toml(&file, &text)
+    /// Every fault found.
+    pub fn load(path: &Path) -> Result<Dispersions, FileFaults> {
+        file_fault::load(path, Dispersions::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
     ///
     /// # Errors
-    /// [`DispersionError::Faults`] with every fault found.
-    pub fn from_toml(file: &str, text: &str) -> Result<Dispersions, DispersionError> {
+    /// Every fault found.
+    pub fn from_toml(file: &str, text: &str) -> Result<Dispersions, FileFaults> {
         let source = Source { file, text };
-        let raw: RawFile = toml::from_str(text)
-            .map_err(|error| DispersionError::Faults(vec![source.reader_fault(&error)]))?;
+        let raw: RawFile = source.parse()?;
         let mut faults = Vec::new();
         let mut points = Vec::new();
         for name in &raw.points {
@@ -183,11 +159,7 @@ impl Dispersions {
                 format!("give at least one point and 1 to {MOST} [[dispersion]]"),
             ));
         }
-        if faults.is_empty() {
-            Ok(Dispersions { points, all })
-        } else {
-            Err(DispersionError::Faults(faults))
-        }
+        FileFaults::unless(faults, Dispersions { points, all })
     }
 }
 

@@ -5,8 +5,8 @@
 //! fault of the study's file, told with its line.
 
 use super::study_file::{Event, Place, Study, StudyError};
+use crate::file_fault::{FileFault, FileFaults, Source};
 use crate::slice::{self, SlicePoint};
-use crate::study::fault::{FileFault, Source};
 use crate::vehicle::Vehicle;
 
 /// Sampling interval at which events of the flight are first looked for, s.
@@ -57,11 +57,7 @@ pub(super) fn times(study: &Study, vehicle: &Vehicle) -> Result<Vec<f64>, StudyE
             }
         }
     }
-    if faults.is_empty() {
-        Ok(times)
-    } else {
-        Err(StudyError::Faults(faults))
-    }
+    Ok(FileFaults::unless(faults, times)?)
 }
 
 /// A time, or what is wrong and what to do.

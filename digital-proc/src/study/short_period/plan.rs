@@ -254,7 +254,7 @@ fn interval(schedule: &GainSchedule, time_s: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::short_period::study_file::SHIPPED_TEXT;
+    use crate::{file_fault::FileFaults, study::short_period::study_file::SHIPPED_TEXT};
 
     fn plan(text: &str) -> Result<Plan, StudyError> {
         Plan::new(
@@ -347,7 +347,7 @@ mod tests {
             [[point]]\nname = \"a\"\nat = { mach = 9.0 }\n\
             [[point]]\nname = \"b\"\nat = { gain-switch = 8 }\n\
             [[point]]\nname = \"c\"\nat = { time-s = 60.0 }\n";
-        let Err(StudyError::Faults(faults)) = plan(text) else {
+        let Err(StudyError::File(FileFaults(faults))) = plan(text) else {
             panic!("accepted");
         };
         let lines: Vec<_> = faults.iter().map(|f| f.place.unwrap().0).collect();

@@ -7,7 +7,7 @@ use super::quantity::{QUANTITIES, Quantity, Range};
 use super::study_file::{
     Change, Condition, Event, GainSource, How, PitchTest, Place, PointEntry, Study, YawRollTest,
 };
-use crate::study::fault::{FileFault, Source, suggestion};
+use crate::file_fault::{FileFault, FileFaults, Source, suggestion};
 
 /// Longest run offered, s.
 const LONGEST_S: f64 = 600.0;
@@ -15,20 +15,15 @@ const LONGEST_S: f64 = 600.0;
 const SAMPLE_MS: std::ops::RangeInclusive<u32> = 1..=100;
 
 /// Reads a text; `file` is only named in faults.
-pub(super) fn study(file: &str, text: &str) -> Result<Study, Vec<FileFault>> {
+pub(super) fn study(file: &str, text: &str) -> Result<Study, FileFaults> {
     let source = Source { file, text };
-    let raw: RawStudy = toml::from_str(text).map_err(|error| vec![source.reader_fault(&error)])?;
+    let raw: RawStudy = source.parse()?;
     let mut check = Check {
         source,
         faults: Vec::new(),
     };
     let study = check.study(raw);
-    if check.faults.is_empty() {
-        Ok(study)
-    } else {
-        check.faults.sort_by_key(|f| f.place);
-        Err(check.faults)
-    }
+    FileFaults::unless(check.faults, study)
 }
 
 #[derive(Deserialize)]

@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::quantity::Quantity;
 use super::study_check;
-use crate::study::fault::FileFault;
+use crate::file_fault::{self, FileFaults};
 
 /// Text of the shipped study.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");
@@ -21,17 +21,9 @@ pub const SHIPPED_NAME: &str = "digital-proc/data/short-period.toml";
 /// A study that was refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StudyError {
-    /// The file could not be read.
-    #[error("{file}: cannot be read: {reason}; check the path and its permissions")]
-    Unreadable {
-        /// File as named by the caller.
-        file: String,
-        /// The operating system's reason.
-        reason: String,
-    },
-    /// One or more faults in the text.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-    Faults(Vec<FileFault>),
+    /// The file.
+    #[error(transparent)]
+    File(#[from] FileFaults),
     /// The nominal flight from which the points are frozen failed.
     #[error("the nominal flight cannot be computed: {0}")]
     Flight(String),
@@ -214,35 +206,29 @@ impl GainSource {
 
 impl Study {
     /// The shipped study.
-    pub fn shipped() -> Result<Study, StudyError> {
+    pub fn shipped() -> Result<Study, FileFaults> {
         Study::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
     }
 
     /// Reads a user's file.
-    pub fn load(path: &Path) -> Result<Study, StudyError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| StudyError::Unreadable {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?;
-        Study::from_toml(&file, &text)
+    pub fn load(path: &Path) -> Result<Study, FileFaults> {
+        file_fault::load(path, Study::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
-    pub fn from_toml(file: &str, text: &str) -> Result<Study, StudyError> {
-        study_check::study(file, text).map_err(StudyError::Faults)
+    pub fn from_toml(file: &str, text: &str) -> Result<Study, FileFaults> {
+        study_check::study(file, text)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::file_fault::FileFault;
 
     fn faults(change: impl Fn(&str) -> String) -> Vec<FileFault> {
-        match Study::from_toml("user.toml", &change(SHIPPED_TEXT)) {
-            Err(StudyError::Faults(faults)) => faults,
-            other => panic!("{other:?}"),
-        }
+        let FileFaults(faults) = Study::from_toml("user.toml", &change(SHIPPED_TEXT)).unwrap_err();
+        faults
     }
 
     /// Line (from 1) of the first occurrence of a text.

@@ -1,10 +1,10 @@
-//! Faults of a study's input file, with the place and the remedy.
+//! Faults of a user's file, with the place and the remedy.
 //!
 //! All faults that can be told apart are reported together, each with its line;
-//! what the TOML reader itself refuses ends the reading and comes alone.
+//! what the TOML reader itself refuses ends the reading and comes alone. It refuses
+//! what is no file: reading from a pipe might never end.
 
-use std::fmt;
-use std::ops::Range;
+use std::{fmt, ops::Range, path::Path};
 
 /// One fault of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,6 +29,68 @@ impl fmt::Display for FileFault {
     }
 }
 
+/// A file that was refused, with every fault found.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct FileFaults(pub Vec<FileFault>);
+
+impl From<FileFault> for FileFaults {
+    fn from(fault: FileFault) -> FileFaults {
+        FileFaults(vec![fault])
+    }
+}
+
+impl FileFaults {
+    /// `value`, unless there are faults.
+    ///
+    /// # Errors
+    /// The faults, in the order of the file.
+    pub fn unless<T>(mut faults: Vec<FileFault>, value: T) -> Result<T, FileFaults> {
+        if faults.is_empty() {
+            return Ok(value);
+        }
+        faults.sort_by_key(|fault| fault.place);
+        Err(FileFaults(faults))
+    }
+}
+
+/// Largest file that is read, bytes: a hundred times the shipped ones.
+const LARGEST: u64 = 4 << 20;
+
+/// Reads a file and hands its name and text to `parse`.
+///
+/// # Errors
+/// A file that cannot be read, and what `parse` finds.
+pub fn load<T>(
+    path: &Path,
+    parse: impl FnOnce(&str, &str) -> Result<T, FileFaults>,
+) -> Result<T, FileFaults> {
+    let file = path.display().to_string();
+    let refused = |fault: String, remedy: &str| FileFault {
+        file: file.clone(),
+        place: None,
+        fault,
+        remedy: remedy.to_owned(),
+    };
+    let unreadable = |error: std::io::Error| {
+        refused(
+            format!("cannot be read: {error}"),
+            "check the path and its permissions",
+        )
+    };
+    let about = std::fs::metadata(path).map_err(unreadable)?;
+    if !about.is_file() {
+        return Err(refused("is no file".to_owned(), "name a TOML file").into());
+    }
+    if about.len() > LARGEST {
+        let fault = format!("has {} bytes", about.len());
+        let remedy = format!("a file here has at most {LARGEST}");
+        return Err(refused(fault, &remedy).into());
+    }
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    parse(&file, &text)
+}
+
 /// A file being checked: its name and text, to turn byte offsets into lines.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
@@ -39,14 +101,27 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
+    /// Reads the text as TOML.
+    ///
+    /// # Errors
+    /// What the reader refuses, with its place.
+    pub fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileFaults> {
+        toml::from_str(self.text).map_err(|error| self.reader_fault(&error).into())
+    }
+
     /// A fault at a byte range of the text.
     #[must_use]
-    pub fn fault(&self, span: Range<usize>, fault: String, remedy: String) -> FileFault {
+    pub fn fault(
+        &self,
+        span: Range<usize>,
+        fault: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> FileFault {
         FileFault {
             file: self.file.to_owned(),
             place: Some(self.line_and_column(span.start)),
-            fault,
-            remedy,
+            fault: fault.into(),
+            remedy: remedy.into(),
         }
     }
 
@@ -74,7 +149,9 @@ impl Source<'_> {
         }
     }
 
-    fn line_and_column(&self, offset: usize) -> (usize, usize) {
+    /// Line and column, counted from 1 in characters, of a byte.
+    #[must_use]
+    pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |n| n + 1);
         (

@@ -1,0 +1,31 @@
+//! The vehicle that a command studies.
+
+use super::Failure;
+use crate::vehicle::Vehicle;
+use std::path::PathBuf;
+
+/// The data set.
+#[derive(clap::Args)]
+pub struct VehicleArgs {
+    /// Vehicle data set of your own [default: the shipped first stage]
+    #[arg(long, value_name = "FILE")]
+    vehicle: Option<PathBuf>,
+}
+
+impl VehicleArgs {
+    /// Reads and checks it.
+    pub fn load(&self) -> Result<Vehicle, Failure> {
+        match &self.vehicle {
+            Some(path) => Vehicle::load(path),
+            None => Vehicle::shipped(),
+        }
+        .map_err(Failure::input)
+    }
+}
+
+/// The whole data set, for the record of a run.
+pub fn record(vehicle: &Vehicle, parameters: &mut toml::Table) -> Result<(), Failure> {
+    let data = toml::Value::try_from(vehicle.data()).map_err(Failure::input)?;
+    parameters.insert("vehicle".to_owned(), data);
+    Ok(())
+}
