@@ -1,7 +1,7 @@
 //! No input makes the patch compiler panic or hang: random bytes, mutated patches, odd numbers.
 #![allow(clippy::unwrap_used)]
 
-use analog_proc::patch::{bundle_from_path, compile, hash};
+use analog_proc::patch::{bundle_from_path, compile};
 use interface::control::PatchBundle;
 use proptest::prelude::*;
 
@@ -163,7 +163,7 @@ proptest! {
         std::fs::write(&path, &bytes).unwrap();
         match bundle_from_path(&path) {
             Ok(bundle) => {
-                prop_assert_eq!(hash(&bundle).len(), 64);
+                prop_assert_eq!(bundle.hash().len(), 64);
                 try_compile(&bundle.files[0].1);
             }
             Err(faults) => prop_assert_eq!(faults.faults()[0].code_name(), "not-utf8"),

@@ -27,7 +27,7 @@ pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};
 use crate::file_fault::{self, FileFault, FileFaults, Source};
 use crate::gain_schedule::GainSchedule;
 use crate::pitch_programme::PitchProgramme;
-use crate::table::{Table, TableError};
+use crate::table::{Edge, Table, TableError};
 use crate::table_edges::{EdgeRecord, TableName};
 
 /// Text of the shipped data set.
@@ -184,10 +184,19 @@ impl Vehicle {
         }
     }
 
-    /// First-mode slope (1/m) at another gyro station, m from the nozzle exit,
-    /// with the table's edge.
-    pub fn gyro_slope_at_station(&self, station_m: f64) -> crate::table::Lookup {
-        self.gyro_slope_pm.lookup(station_m)
+    /// First-mode slope (1/m) at another gyro station, m from the nozzle exit; `None`
+    /// off the table, where the mode is not known.
+    #[must_use]
+    pub fn gyro_slope_at_station(&self, station_m: f64) -> Option<f64> {
+        let lookup = self.gyro_slope_pm.lookup(station_m);
+        (lookup.edge == Edge::Inside).then_some(lookup.value)
+    }
+
+    /// First and last station of the mode's slope table, m from the nozzle exit.
+    #[must_use]
+    pub fn gyro_stations_m(&self) -> [f64; 2] {
+        let stations = self.gyro_slope_pm.abscissae();
+        [stations[0], stations[stations.len() - 1]]
     }
 }
 

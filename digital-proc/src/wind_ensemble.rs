@@ -23,6 +23,9 @@ pub const SPACING_M: f64 = 25.0;
 /// Most points of a member: a guard against absurd envelopes.
 const MOST_POINTS: f64 = 100_000.0;
 
+/// Sign of an ensemble against the flight on the average.
+pub const HEADWIND: f64 = -1.0;
+
 /// One member, drawn by `seed`, over the altitudes of the envelope; `sign`
 /// scales it (−1 headwind on the average).
 pub fn member(vehicle: &Vehicle, sign: f64, seed: u64) -> Result<Wind, TableError> {

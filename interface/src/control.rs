@@ -17,8 +17,9 @@ pub struct PatchBundle {
 }
 
 impl PatchBundle {
-    /// SHA-256 of the root's name and every file in order, hexadecimal; each text is
-    /// preceded by its length, so that no two bundles share their bytes.
+    /// SHA-256 of the root's name and every file by name, hexadecimal; each text is
+    /// preceded by its length, so that no two bundles share their bytes. The order in
+    /// which the files are listed does not matter.
     #[must_use]
     pub fn hash(&self) -> String {
         let mut sha = Sha256::new();
@@ -27,7 +28,9 @@ impl PatchBundle {
             sha.update(text.as_bytes());
         };
         text(&self.root);
-        for (path, contents) in &self.files {
+        let mut files: Vec<&(String, String)> = self.files.iter().collect();
+        files.sort();
+        for (path, contents) in files {
             text(path);
             text(contents);
         }
@@ -48,8 +51,7 @@ pub struct RunSpec {
     pub stop: Tick,
     /// Start from the ICs (true) or go on from the held state (false).
     pub from_ic: bool,
-    /// Each update takes effect at its own `effective` tick (free-running or
-    /// replay) instead of at `t_n + τ`.
+    /// Who says when updates take effect.
     pub clock: Clock,
 }
 
@@ -196,4 +198,28 @@ pub enum Reply {
     },
     /// The request was refused; the text is ready to be shown (may be several lines).
     Refused(String),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bundle_is_named_by_its_texts_not_by_their_order() {
+        let bundle = |root: &str, files: &[(&str, &str)]| PatchBundle {
+            root: root.to_owned(),
+            files: files
+                .iter()
+                .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()))
+                .collect(),
+        };
+        let reference = bundle("a", &[("a", "x"), ("b", "y")]).hash();
+        assert_eq!(reference.len(), 64);
+        assert_eq!(reference, bundle("a", &[("b", "y"), ("a", "x")]).hash());
+        assert_ne!(reference, bundle("a", &[("a", "y"), ("b", "x")]).hash());
+        assert_ne!(
+            bundle("a", &[("a", "x")]).hash(),
+            bundle("a", &[("ax", "")]).hash()
+        );
+    }
 }

@@ -54,24 +54,25 @@ impl Tick {
     }
 }
 
+/// Arithmetic ends at 292 years, beyond any stop, instead of wrapping round.
 impl std::ops::Add for Tick {
     type Output = Tick;
     fn add(self, other: Tick) -> Tick {
-        Tick(self.0 + other.0)
+        Tick(self.0.saturating_add(other.0))
     }
 }
 
 impl std::ops::Sub for Tick {
     type Output = Tick;
     fn sub(self, other: Tick) -> Tick {
-        Tick(self.0 - other.0)
+        Tick(self.0.saturating_sub(other.0))
     }
 }
 
 impl std::ops::Mul<i64> for Tick {
     type Output = Tick;
     fn mul(self, n: i64) -> Tick {
-        Tick(self.0 * n)
+        Tick(self.0.saturating_mul(n))
     }
 }
 

@@ -35,7 +35,7 @@ impl PatchArgs {
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;
         crate::tolerance::apply(&mut ordered, profile.component_error());
         Ok(Compiled {
-            hash: patch::hash(&bundle),
+            hash: bundle.hash(),
             ordered,
         })
     }

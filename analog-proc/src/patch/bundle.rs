@@ -1,4 +1,4 @@
-//! Loading a patch with every file that it uses, and naming it by a hash.
+//! Loading a patch with every file that it uses.
 //!
 //! The only part of the patch language that reads the file system. A sub-patch
 //! that cannot be read is left out here: the compiler then reports it at the
@@ -9,7 +9,6 @@ use super::faults::PatchFaults;
 use super::text::used_paths;
 use interface::control::PatchBundle;
 use miette::NamedSource;
-use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -82,29 +81,6 @@ pub(crate) fn join(user: &str, written: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// SHA-256 over root name, file names and texts, hexadecimal; the order of the files does not matter.
-#[must_use]
-pub fn hash(bundle: &PatchBundle) -> String {
-    let mut files: Vec<&(String, String)> = bundle.files.iter().collect();
-    files.sort();
-    let mut digest = Sha256::new();
-    // Each length before its bytes, so that no two bundles give the same stream.
-    let mut add = |text: &str| {
-        digest.update((text.len() as u64).to_le_bytes());
-        digest.update(text.as_bytes());
-    };
-    add(&bundle.root);
-    for (name, text) in files {
-        add(name);
-        add(text);
-    }
-    digest
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
-}
-
 fn read(path: &Path) -> Result<Vec<u8>, String> {
     let metadata = std::fs::metadata(path).map_err(|e| e.to_string())?;
     if !metadata.is_file() {
@@ -162,18 +138,5 @@ mod tests {
         assert_eq!(join("parts/a.toml", "../b.toml").unwrap(), "b.toml");
         assert_eq!(join("a.toml", "../x/./b.toml").unwrap(), "../x/b.toml");
         assert_eq!(join("a.toml", "/etc/passwd"), None);
-    }
-
-    #[test]
-    fn hash_tells_texts_and_names_apart() {
-        let bundle = |root: &str, name: &str, text: &str| PatchBundle {
-            root: root.into(),
-            files: vec![(name.into(), text.into())],
-        };
-        let reference = hash(&bundle("a", "a", "x"));
-        assert_eq!(reference.len(), 64);
-        assert_eq!(reference, hash(&bundle("a", "a", "x")));
-        assert_ne!(reference, hash(&bundle("a", "a", "y")));
-        assert_ne!(reference, hash(&bundle("a", "ax", "")));
     }
 }

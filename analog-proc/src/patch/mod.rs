@@ -18,7 +18,7 @@ mod settings;
 mod text;
 mod value;
 
-pub use bundle::{LONGEST_FILE, MOST_FILES, bundle_from_path, hash};
+pub use bundle::{LONGEST_FILE, MOST_FILES, bundle_from_path};
 pub use catalogue::{
     ADC_CHANNELS, CONTROL_LINES, DAC_CHANNELS, DCU_CHANNELS, INTERRUPT_LINES, SENSE_LINES,
 };

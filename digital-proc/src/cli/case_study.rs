@@ -77,6 +77,9 @@ impl CaseStudy {
             Some(path) => Some(Dispersions::load(path).map_err(Failure::input)?),
             None => Some(Dispersions::shipped().map_err(Failure::input)?),
         };
+        if let Some(dispersions) = &dispersions {
+            dispersions.check(&vehicle).map_err(Failure::input)?;
+        }
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let plan = CasePlan {
             short: Plan::new(&study, &vehicle).map_err(Failure::input)?,

@@ -19,7 +19,8 @@ use crate::{
         pacing::{pacing_section, pacing_text},
     },
     run_dir::{
-        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, TRANSFERS_FILE, TraceError, UtcSecond,
+        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, TraceError,
+        UtcSecond,
     },
     saturation::Saturations,
     study::failure_file::FailureFile,
@@ -63,6 +64,9 @@ pub struct Fly {
     /// Wind in the pitch plane, with its share across
     #[arg(long, value_enum, default_value = "none")]
     wind: WindName,
+    /// Which member of the ensemble blows, with --wind ensemble
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
     /// Thrust misalignment in pitch, as a fraction of 3 sigma
     #[arg(
         long,
@@ -280,6 +284,7 @@ impl Fly {
                 AlphaName::Held => AlphaPath::Held,
             },
             wind,
+            wind_seed: Seed(self.seed),
             misalign_pitch,
             misalign_yaw,
             failure_at: self.failure_at,
@@ -288,9 +293,17 @@ impl Fly {
             vehicle: data.clone(),
         };
         let fast_frame = record.fast_frame()?;
-        record.latency = self
-            .latency
-            .unwrap_or_else(|| record.profile.total_latency(Sampled::COUNT).min(fast_frame));
+        let (latency, whole) = record.profile.latency_within(Sampled::COUNT, fast_frame);
+        record.latency = self.latency.unwrap_or(latency);
+        if let (None, Some(whole)) = (self.latency, whole) {
+            eprintln!(
+                "note: profile {} takes {whole} from sample to transfer, longer than a fast frame; flown with {latency}",
+                record.profile.name
+            );
+        }
+        if let Some(until) = self.until.filter(|t| *t > burn_out) {
+            eprintln!("note: the flight ends at burn-out, {burn_out}, before --until {until}");
+        }
         Ok(record)
     }
 

@@ -161,6 +161,12 @@ impl MachineArgs {
 pub fn main(analog: AnalogEntry) -> ExitCode {
     let cli = Cli::parse();
     let interrupted = Arc::new(AtomicBool::new(false));
+    // A reader that has seen enough (`| head`) ends the program quietly.
+    let always = Arc::new(AtomicBool::new(true));
+    let pipe = signal_hook::consts::SIGPIPE;
+    if let Err(error) = signal_hook::flag::register_conditional_default(pipe, always) {
+        eprintln!("cannot catch signal {pipe}: {error}");
+    }
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         if let Err(error) = signal_hook::flag::register(signal, interrupted.clone()) {
             eprintln!("cannot catch signal {signal}: {error}");

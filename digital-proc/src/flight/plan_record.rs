@@ -11,9 +11,11 @@ use crate::{
     file_fault::{FileFaults, Source},
     flight_mode::FlightScript,
     reference::FlightCase,
+    run_dir::Seed,
     table::TableError,
     vehicle::{Vehicle, VehicleData},
     wind::{Wind, WindDirection},
+    wind_ensemble,
 };
 use clap::ValueEnum;
 use interface::{Tick, profile::Profile};
@@ -40,6 +42,8 @@ pub enum WindName {
     Headwind,
     /// The synthetic profile with the flight
     Tailwind,
+    /// A member of the random ensemble of headwinds, drawn by --seed
+    Ensemble,
     /// That of the vehicle's design case
     #[value(skip)]
     DesignCase,
@@ -69,6 +73,9 @@ pub struct PlanRecord {
     pub alpha: AlphaPath,
     /// The wind.
     pub wind: WindName,
+    /// Seed of a random wind.
+    #[serde(default)]
+    pub wind_seed: Seed,
     /// Thrust misalignment in pitch, fraction of 3σ.
     pub misalign_pitch: f64,
     /// Thrust misalignment in yaw, fraction of 3σ.
@@ -148,6 +155,9 @@ impl PlanRecord {
             WindName::None => Wind::Calm,
             WindName::Headwind => Wind::synthetic(vehicle, WindDirection::Head)?,
             WindName::Tailwind => Wind::synthetic(vehicle, WindDirection::Tail)?,
+            WindName::Ensemble => {
+                wind_ensemble::member(vehicle, wind_ensemble::HEADWIND, self.wind_seed.0)?
+            }
             WindName::DesignCase => Wind::design_case(vehicle)?,
         };
         Ok(FlightPlan {
@@ -222,6 +232,7 @@ mod tests {
             stop: Tick(48_800_000_000),
             alpha: AlphaPath::Redundant,
             wind: WindName::Headwind,
+            wind_seed: Seed(u64::MAX),
             misalign_pitch: 0.1 + 0.2,
             misalign_yaw: -1.0 / 3.0,
             failure_at: Tick(1),

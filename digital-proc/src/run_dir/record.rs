@@ -44,7 +44,7 @@ pub struct PatchIdentity {
 }
 
 /// A 64-bit seed, written `0x0123456789abcdef` because a TOML integer has only 63 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seed(pub u64);
 
 impl fmt::Display for Seed {

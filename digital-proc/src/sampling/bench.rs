@@ -20,6 +20,7 @@ use super::{
 use crate::{
     console::{Console, ConsoleFault},
     file_fault::FileFaults,
+    saturation::Saturations,
 };
 use interface::{
     Tick,
@@ -139,12 +140,23 @@ pub fn hold_kind(hold: Hold) -> HoldKind {
 pub struct Bench<'c, 'p> {
     console: &'c mut Console<'p>,
     base: Profile,
+    saturated: Vec<String>,
 }
 
 impl<'c, 'p> Bench<'c, 'p> {
     /// Over a console; `base` is the profile whose hold each plan replaces by its own.
     pub fn new(console: &'c mut Console<'p>, base: Profile) -> Bench<'c, 'p> {
-        Bench { console, base }
+        Bench {
+            console,
+            base,
+            saturated: Vec::new(),
+        }
+    }
+
+    /// Converters and coefficients that saturated in any run so far.
+    #[must_use]
+    pub fn saturated(&self) -> &[String] {
+        &self.saturated
     }
 
     /// The console, to read what a run left on the analog side.
@@ -216,13 +228,20 @@ impl<'c, 'p> Bench<'c, 'p> {
             from_ic: true,
             clock: Clock::LockStep,
         };
+        let mut saturations = Saturations::default();
         self.console
             .operate::<ConsoleFault>(&spec, |samples, updates| {
+                saturations.note(samples);
                 if samples.run_state() != RunState::Ended {
                     law(samples, updates);
                 }
                 Ok(())
             })?;
+        for name in saturations.names(self.console.channels()) {
+            if !self.saturated.contains(&name) {
+                self.saturated.push(name);
+            }
+        }
         Ok(())
     }
 

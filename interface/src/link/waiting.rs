@@ -6,9 +6,13 @@
 //! time waited: at most an eighth of it, so that blocking never makes a wait
 //! longer by more than an eighth. A block ends at once when the partner dies.
 //!
+//! On the wall clock, where lateness counts, it yields for longer than a fast frame.
+//!
 //! It refuses to wait for ever. A partner that lives but neither answers nor
 //! computes for [`Patience::silence`] has hung; one that uses processor time is
-//! working, and may for [`Patience::busy_limit`].
+//! working, and may for [`Patience::busy_limit`]. Between runs the analog side alone
+//! waits without a limit, for as long as its partner lives: somebody may be thinking
+//! about the next request.
 
 use super::LinkFault;
 use crate::Side;
@@ -107,7 +111,7 @@ pub(super) enum Limit {
     Prompt,
     /// After this time, whatever the partner does.
     After(Duration),
-    /// Only when it dies.
+    /// Only when it dies, or this side is interrupted.
     Unlimited,
 }
 

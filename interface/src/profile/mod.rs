@@ -342,6 +342,13 @@ impl Profile {
             + duration(self.compute.as_ref())
     }
 
+    /// The total latency, at most one frame of `frame`; and the whole of it where it was cut.
+    #[must_use]
+    pub fn latency_within(&self, channels: u32, frame: Tick) -> (Tick, Option<Tick>) {
+        let whole = self.total_latency(channels);
+        (whole.min(frame), (whole > frame).then_some(whole))
+    }
+
     /// Reconstruction between transfers.
     #[must_use]
     pub fn hold(&self) -> HoldKind {

@@ -51,6 +51,14 @@ fn the_stages_of_a_profile() {
     assert_eq!(Profile::ideal().total_latency(64), Tick::ZERO);
     let paper = Profile::load("paper-class").unwrap();
     assert_eq!(paper.total_latency(1), Tick(1_000_000));
+    assert_eq!(
+        paper.latency_within(1, Tick(2_000_000)),
+        (Tick(1_000_000), None)
+    );
+    assert_eq!(
+        paper.latency_within(1, Tick(300_000)),
+        (Tick(300_000), Some(Tick(1_000_000)))
+    );
 }
 
 #[test]

@@ -192,9 +192,9 @@ impl<T: Args + Measure> Lab<T> {
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
-        let outcome = self
-            .own
-            .measure(&mut Bench::new(&mut console, profile.clone()))?;
+        let mut bench = Bench::new(&mut console, profile.clone());
+        let mut outcome = self.own.measure(&mut bench)?;
+        outcome.saturated = bench.saturated().to_vec();
         let patch_hash = console.patch_hash().to_owned();
         console.bye()?;
         drop(machine);

@@ -52,6 +52,8 @@ pub struct Outcome {
     pub tables: Vec<Titled>,
     pub figures: Vec<Figure>,
     pub checks: Vec<Check>,
+    /// Converters and coefficients that reached the end of their range, by name.
+    pub saturated: Vec<String>,
     /// Settings, for the record.
     pub parameters: toml::Table,
     pub seeds: BTreeMap<String, Seed>,
@@ -72,6 +74,7 @@ impl Outcome {
             tables: Vec::new(),
             figures: Vec::new(),
             checks: Vec::new(),
+            saturated: Vec::new(),
             parameters: toml::Table::new(),
             seeds: BTreeMap::new(),
         }
@@ -158,6 +161,9 @@ impl Outcome {
                 let verdict = if check.holds { "holds" } else { "FAILS" };
                 println!("{verdict}: {}", check.statement);
             }
+            if let Some(remark) = self.saturation_remark() {
+                println!("{remark}");
+            }
             println!("report: {}", report.display());
         }
         let failed: Vec<&str> = self
@@ -175,6 +181,10 @@ impl Outcome {
         })
     }
 
+    fn saturation_remark(&self) -> Option<String> {
+        (!self.saturated.is_empty()).then(|| format!("saturated: {}", self.saturated.join(", ")))
+    }
+
     fn json(&self) -> serde_json::Value {
         let tables: serde_json::Map<String, serde_json::Value> = self
             .tables
@@ -186,7 +196,7 @@ impl Outcome {
             .iter()
             .map(|c| serde_json::json!({ "statement": c.statement, "holds": c.holds }))
             .collect();
-        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks })
+        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks, "saturated": self.saturated })
     }
 
     fn html(&self, record: &RunRecord) -> String {
@@ -212,6 +222,9 @@ impl Outcome {
         let mut sections = vec![Section::new("Figures", figures)];
         if !self.checks.is_empty() {
             sections.push(Section::new("Checks", checks));
+        }
+        if let Some(remark) = self.saturation_remark() {
+            sections.push(Section::new("Remarks", html! { p { (remark) } }));
         }
         sections.push(Section::new("Numbers", tables));
         sections.push(Section::new("Provenance", provenance(record)));

@@ -178,7 +178,7 @@ impl<'a> Bench<'a> {
             stop: Tick::from_secs(burn_time_s).ok_or(StudyFault::BurnTime(burn_time_s))?,
             latency: plan
                 .latency
-                .unwrap_or_else(|| plan.profile.total_latency(Sampled::COUNT).min(fast)),
+                .unwrap_or_else(|| plan.profile.latency_within(Sampled::COUNT, fast).0),
             design_wind: Wind::design_case(vehicle)?,
             reversed_wind: Wind::Synthetic(SyntheticWind::new(
                 &data.wind,

@@ -24,6 +24,8 @@ pub const MOST: usize = 14;
 /// A checked dispersion file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dispersions {
+    /// File as named by the caller.
+    pub file: String,
     /// Trajectory points by name.
     pub points: Vec<&'static str>,
     /// What is dispersed.
@@ -70,7 +72,9 @@ impl Dispersion {
                 quantity.set(point, value);
             }
             Dispersed::GyroStations(stations) => {
-                point.gyro_slope_pm = vehicle.gyro_slope_at_station(of(stations)).value;
+                // What is not known stops the run; `check` refuses it before.
+                let slope = vehicle.gyro_slope_at_station(of(stations));
+                point.gyro_slope_pm = slope.unwrap_or(f64::NAN);
             }
         }
     }
@@ -106,6 +110,29 @@ struct RawDispersion {
 }
 
 impl Dispersions {
+    /// Refuses what a vehicle's data do not cover.
+    ///
+    /// # Errors
+    /// Gyro stations off the table of the bending mode.
+    pub fn check(&self, vehicle: &Vehicle) -> Result<(), FileFaults> {
+        let [first, last] = vehicle.gyro_stations_m();
+        let outside = self.all.iter().filter_map(|dispersion| {
+            let Dispersed::GyroStations(stations) = dispersion.what else {
+                return None;
+            };
+            let station = stations
+                .into_iter()
+                .find(|s| vehicle.gyro_slope_at_station(*s).is_none())?;
+            Some(FileFault {
+                file: self.file.clone(),
+                place: None,
+                fault: format!("`{}`: a rate gyro at {station} m", dispersion.title),
+                remedy: format!("the bending mode is known from {first} to {last} m"),
+            })
+        });
+        FileFaults::unless(outside.collect(), ())
+    }
+
     /// The shipped file.
     ///
     /// # Errors
@@ -159,7 +186,8 @@ impl Dispersions {
                 format!("give at least one point and 1 to {MOST} [[dispersion]]"),
             ));
         }
-        FileFaults::unless(faults, Dispersions { points, all })
+        let file = file.to_owned();
+        FileFaults::unless(faults, Dispersions { file, points, all })
     }
 }
 

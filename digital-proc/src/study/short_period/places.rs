@@ -60,6 +60,23 @@ pub(super) fn times(study: &Study, vehicle: &Vehicle) -> Result<Vec<f64>, StudyE
     Ok(FileFaults::unless(faults, times)?)
 }
 
+/// Refuses gyro stations where the vehicle's mode is not known.
+pub(super) fn gyro_stations(study: &Study, vehicle: &Vehicle) -> Result<(), FileFaults> {
+    let source = Source {
+        file: &study.file,
+        text: &study.text,
+    };
+    let [first, last] = vehicle.gyro_stations_m();
+    let outside = study.conditions.iter().filter_map(|condition| {
+        let station = condition.gyro_station_m.as_ref()?;
+        let known = vehicle.gyro_slope_at_station(*station.get_ref()).is_some();
+        let fault = format!("a rate gyro at {} m", station.get_ref());
+        let remedy = format!("the bending mode is known from {first} to {last} m");
+        (!known).then(|| source.fault(station.span(), fault, remedy))
+    });
+    FileFaults::unless(outside.collect(), ())
+}
+
 /// A time, or what is wrong and what to do.
 type Found = Result<f64, (String, String)>;
 

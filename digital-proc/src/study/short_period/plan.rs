@@ -7,7 +7,7 @@
 //! first, no fin tips) or changes nothing.
 
 use super::coefficients::{Disturbance, PitchSettings, YawRollInitial, YawRollSettings};
-use super::places::{flight, times};
+use super::places::{flight, gyro_stations, times};
 use super::point::FrozenPoint;
 use super::quantity::QUANTITIES;
 use super::study_file::{Condition, GainSource, How, Study, StudyError};
@@ -77,6 +77,7 @@ impl Plan {
     /// Plans a study on a vehicle.
     pub fn new(study: &Study, vehicle: &Vehicle) -> Result<Plan, StudyError> {
         let times = times(study, vehicle)?;
+        gyro_stations(study, vehicle)?;
         let wanted: Vec<(&str, f64)> = study
             .points
             .iter()
@@ -207,8 +208,8 @@ impl Condition {
     pub fn freeze(&self, vehicle: &Vehicle, slice: &SlicePoint) -> Option<FrozenPoint> {
         let gains = self.gains.at(vehicle, slice.time_s)?;
         let mut frozen = FrozenPoint::new(vehicle, slice, &gains);
-        if let Some(station_m) = self.gyro_station_m {
-            frozen.gyro_slope_pm = vehicle.gyro_slope_at_station(station_m).value;
+        if let Some(station_m) = &self.gyro_station_m {
+            frozen.gyro_slope_pm = vehicle.gyro_slope_at_station(*station_m.get_ref())?;
         }
         for change in &self.changes {
             let value = match change.how {

@@ -308,7 +308,7 @@ impl Check<'_> {
                 .filter_map(|change| self.change(change))
                 .collect(),
             gains,
-            gyro_station_m: raw.gyro_station_m.map(Spanned::into_inner),
+            gyro_station_m: raw.gyro_station_m,
             needs_ftc,
             pitch: loops.0,
             yaw_roll: loops.1,

@@ -8,6 +8,7 @@
 use std::path::Path;
 
 use serde::Deserialize;
+use toml::Spanned;
 
 use super::quantity::Quantity;
 use super::study_check;
@@ -147,7 +148,7 @@ pub struct Condition {
     /// Loop gains in force.
     pub gains: GainSource,
     /// Rate gyro moved to this station, m from the nozzle exit.
-    pub gyro_station_m: Option<f64>,
+    pub gyro_station_m: Option<Spanned<f64>>,
     /// Only at points where the fin tips work.
     pub needs_ftc: bool,
     /// Runs the pitch loop.
