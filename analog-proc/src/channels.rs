@@ -4,6 +4,8 @@
 //! Each ADC converts (bits, full scale, saturation flag); each DAC converts,
 //! holds (zero order, extrapolating, interpolating) and settles; each DCU is
 //! set to its nearest coefficient. With an ideal profile every stage passes f64.
+//! What lies beyond a stage is held at its end and flagged in the next frame,
+//! whether it came in a transfer or stood there when the run started.
 
 use crate::{
     block::{dac::DacPiece, logic},
@@ -39,6 +41,30 @@ struct DcuChannel {
     value: f64,
 }
 
+/// DAC and DCU channels set beyond what their stage can represent, a bit each.
+#[derive(Default)]
+struct Saturations {
+    dac: u64,
+    dcu: [u64; 2],
+}
+
+impl Saturations {
+    /// Converts a DAC channel's present value.
+    fn convert(&mut self, dac: &DacChannel) -> f64 {
+        let conversion = dac.converter.convert(dac.value);
+        self.dac |= u64::from(conversion.saturated || conversion.non_finite) << dac.channel;
+        conversion.value
+    }
+
+    /// The coefficient to which a DCU channel's present value sets it.
+    fn set(&mut self, dcu: &DcuChannel) -> f64 {
+        let setting = dcu.unit.set(dcu.value);
+        self.dcu[dcu.channel / 64] |=
+            u64::from(setting.saturated || setting.non_finite) << (dcu.channel % 64);
+        setting.value
+    }
+}
+
 struct Line {
     line: usize,
     net: NetId,
@@ -55,8 +81,7 @@ pub struct Channels {
     control: Vec<(usize, bool)>,
     edges: Vec<logic::Edge>,
     /// What saturated, and which transfers took effect, since the last frame.
-    dac_saturated: u64,
-    dcu_saturated: [u64; 2],
+    saturations: Saturations,
     transfers: Vec<Transfer>,
 }
 
@@ -78,8 +103,7 @@ impl Channels {
             sense: Vec::new(),
             control: Vec::new(),
             edges: Vec::new(),
-            dac_saturated: 0,
-            dcu_saturated: [0; 2],
+            saturations: Saturations::default(),
             transfers: Vec::new(),
         };
         let mut faults = Vec::new();
@@ -280,16 +304,18 @@ impl Channels {
         Ok(())
     }
 
-    /// Puts every channel to its present value, held: where a run starts.
+    /// Puts every channel to its present value, held: where a run starts. What saturates
+    /// here is told in the run's first frame; what saturated before is forgotten.
     pub fn set_all(&mut self, simulation: &mut Simulation) {
         let now_s = simulation.now_s();
+        self.saturations = Saturations::default();
         for dac in &mut self.dac {
             dac.hold = Hold::new(self.profile.hold(), dac.value);
-            let value = dac.converter.convert(dac.value).value;
+            let value = self.saturations.convert(dac);
             simulation.set_dac(dac.channel as u32, DacPiece::held(value, now_s));
         }
         for dcu in &self.dcu {
-            simulation.set_dcu(dcu.channel as u32, dcu.unit.set(dcu.value).value);
+            simulation.set_dcu(dcu.channel as u32, self.saturations.set(dcu));
         }
         for (line, on) in &self.control {
             simulation.set_control(*line as u32, *on);
@@ -327,11 +353,8 @@ impl Channels {
                 continue;
             }
             dac.value = updates.dac[dac.channel];
-            let conversion = dac.converter.convert(dac.value);
-            if conversion.saturated || conversion.non_finite {
-                self.dac_saturated |= 1 << dac.channel;
-            }
-            let piece = dac.hold.transfer(at, conversion.value);
+            let value = self.saturations.convert(dac);
+            let piece = dac.hold.transfer(at, value);
             simulation.set_dac(
                 dac.channel as u32,
                 DacPiece {
@@ -346,11 +369,7 @@ impl Channels {
         for dcu in &mut self.dcu {
             if updates.dcu_mask[dcu.channel / 64] >> (dcu.channel % 64) & 1 == 1 {
                 dcu.value = updates.dcu[dcu.channel];
-                let setting = dcu.unit.set(dcu.value);
-                if setting.saturated || setting.non_finite {
-                    self.dcu_saturated[dcu.channel / 64] |= 1 << (dcu.channel % 64);
-                }
-                simulation.set_dcu(dcu.channel as u32, setting.value);
+                simulation.set_dcu(dcu.channel as u32, self.saturations.set(dcu));
             }
         }
         for (line, on) in &mut self.control {
@@ -428,13 +447,10 @@ impl Channels {
             *slot = transfer;
             samples.transfer_count += 1;
         }
-        samples.dac_saturated |= std::mem::take(&mut self.dac_saturated);
-        for (told, new) in samples
-            .dcu_saturated
-            .iter_mut()
-            .zip(&mut self.dcu_saturated)
-        {
-            *told |= std::mem::take(new);
+        let new = std::mem::take(&mut self.saturations);
+        samples.dac_saturated |= new.dac;
+        for (told, new) in samples.dcu_saturated.iter_mut().zip(new.dcu) {
+            *told |= new;
         }
         samples.overloads = simulation.overloads().len() as u32;
     }
