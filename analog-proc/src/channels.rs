@@ -22,12 +22,14 @@ use interface::{
     profile::Profile,
 };
 
+#[derive(Clone)]
 struct AdcChannel {
     channel: usize,
     net: NetId,
     converter: Converter,
 }
 
+#[derive(Clone)]
 struct DacChannel {
     channel: usize,
     converter: Converter,
@@ -35,6 +37,7 @@ struct DacChannel {
     value: f64,
 }
 
+#[derive(Clone)]
 struct DcuChannel {
     channel: usize,
     unit: CoefficientUnit,
@@ -42,7 +45,7 @@ struct DcuChannel {
 }
 
 /// DAC and DCU channels set beyond what their stage can represent, a bit each.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Saturations {
     dac: u64,
     dcu: [u64; 2],
@@ -65,12 +68,14 @@ impl Saturations {
     }
 }
 
+#[derive(Clone)]
 struct Line {
     line: usize,
     net: NetId,
 }
 
 /// Every channel of one loaded patch, in order of number.
+#[derive(Clone)]
 pub struct Channels {
     profile: Profile,
     adc: Vec<AdcChannel>,
@@ -252,51 +257,37 @@ impl Channels {
         described
     }
 
-    /// Sets one channel by its name while the machine does not operate.
+    /// Sets channels by their names while the machine does not operate: all or none.
     ///
     /// # Errors
     /// A text naming the channel that does not exist or the value that is no number.
     pub fn preset(
         &mut self,
         netlist: &Netlist,
-        name: &str,
-        value: f64,
+        values: &[(String, f64)],
         simulation: &mut Simulation,
     ) -> Result<(), String> {
-        if !value.is_finite() {
-            return Err(format!(
-                "the preset of `{name}` is {value}, not a finite number"
-            ));
-        }
-        let settable = |c: &&Channel| {
-            matches!(
-                c.kind,
-                ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control
-            )
-        };
         let described = self.describe(netlist);
-        let channel = described
+        let settable: Vec<(ChannelKind, usize)> = values
             .iter()
-            .filter(settable)
-            .find(|c| c.name == name)
-            .ok_or_else(|| {
-                format!("the patch has no DAC, DCU or control line `{name}` to preset")
-            })?;
-        let number = channel.number as usize;
-        match channel.kind {
-            ChannelKind::Dac => {
-                if let Some(dac) = self.dac.iter_mut().find(|d| d.channel == number) {
-                    dac.value = value;
+            .map(|(name, value)| settable(&described, name, *value))
+            .collect::<Result<_, _>>()?;
+        for ((kind, number), (_, value)) in settable.into_iter().zip(values) {
+            match kind {
+                ChannelKind::Dac => {
+                    if let Some(dac) = self.dac.iter_mut().find(|d| d.channel == number) {
+                        dac.value = *value;
+                    }
                 }
-            }
-            ChannelKind::Dcu => {
-                if let Some(dcu) = self.dcu.iter_mut().find(|d| d.channel == number) {
-                    dcu.value = value;
+                ChannelKind::Dcu => {
+                    if let Some(dcu) = self.dcu.iter_mut().find(|d| d.channel == number) {
+                        dcu.value = *value;
+                    }
                 }
-            }
-            _ => {
-                if let Some((_, on)) = self.control.iter_mut().find(|(l, _)| *l == number) {
-                    *on = value != 0.0;
+                _ => {
+                    if let Some((_, on)) = self.control.iter_mut().find(|(l, _)| *l == number) {
+                        *on = *value != 0.0;
+                    }
                 }
             }
         }
@@ -454,4 +445,25 @@ impl Channels {
         }
         samples.overloads = simulation.overloads().len() as u32;
     }
+}
+
+/// Kind and number of the channel `name`, if it can be preset to `value`.
+fn settable(described: &[Channel], name: &str, value: f64) -> Result<(ChannelKind, usize), String> {
+    if !value.is_finite() {
+        return Err(format!(
+            "the preset of `{name}` is {value}, not a finite number"
+        ));
+    }
+    let is_settable = |c: &&Channel| {
+        matches!(
+            c.kind,
+            ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control
+        )
+    };
+    described
+        .iter()
+        .filter(is_settable)
+        .find(|c| c.name == name)
+        .map(|c| (c.kind, c.number as usize))
+        .ok_or_else(|| format!("the patch has no DAC, DCU or control line `{name}` to preset"))
 }

@@ -155,6 +155,13 @@ impl Simulation {
         }
     }
 
+    /// The initial condition of a block with a state.
+    #[must_use]
+    pub fn ic(&self, block: BlockId) -> Option<f64> {
+        let state = (*self.engine.machine.state_of_block.get(block.index())?)?;
+        Some(self.engine.ics[state as usize])
+    }
+
     /// Problem time, to the nearest tick.
     #[must_use]
     pub fn now(&self) -> Tick {

@@ -155,3 +155,36 @@ fn a_run_that_starts_beyond_a_range_says_so_in_its_first_frame() {
     assert_eq!(&samples[0].adc[..2], [5.0, 0.75]);
     session.bye();
 }
+
+#[test]
+fn a_refused_request_changes_nothing() {
+    let mut session = Session::load(Profile::ideal());
+    let preset = |v: &[(&str, f64)]| Request::Preset(values(v));
+    let ics = |v: &[(&str, f64)]| Request::SetIcs(values(v));
+    session.does(ics(&[("x", 4.0)]));
+    session.does(preset(&[("d", 0.5)]));
+    let before = [0.5, 0.5, 4.0, 3.0];
+    assert_eq!(session.start(), before);
+    for (request, word) in [
+        // Later entries that cannot be.
+        (ics(&[("x", 5.0), ("nobody", 1.0)]), "nobody"),
+        (ics(&[("x", 5.0), ("z", f64::NAN)]), "`z`"),
+        (preset(&[("d", 1.0), ("c", 0.75), ("x", 1.0)]), "`x`"),
+        (preset(&[("d", 1.0), ("c", f64::INFINITY)]), "`c`"),
+        // Each can be set, but not together with the patch: `r` is 1/x and `q` is 1/c.
+        (ics(&[("z", 5.0), ("x", 0.0)]), "`r`"),
+        (preset(&[("d", 1.0), ("c", 0.0)]), "`q`"),
+    ] {
+        let text = session.refuses(request.clone());
+        assert!(text.contains(word), "{request:?}: {text}");
+        assert_eq!(session.start(), before, "{request:?}");
+        // What a pot-set carries over is what was in force.
+        session.does(Request::SetParams(Vec::new()));
+        assert_eq!(session.start(), before, "{request:?} and a pot-set");
+    }
+    // The last of several values for one name counts.
+    session.does(ics(&[("x", 5.0), ("z", 6.0), ("x", 7.0)]));
+    session.does(preset(&[("c", 0.125), ("d", 2.0), ("c", 0.25)]));
+    assert_eq!(session.start(), [2.0, 0.25, 7.0, 6.0]);
+    session.bye();
+}
