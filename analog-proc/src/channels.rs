@@ -212,10 +212,10 @@ impl Channels {
         self.adc.len()
     }
 
-    /// From the first to the last hold of a scan.
+    /// From the first to the last hold of a scan; `None` where no tick can hold it.
     #[must_use]
-    pub fn scan_time(&self, skew: Tick) -> Tick {
-        skew * (self.adc.len().saturating_sub(1)) as i64
+    pub fn scan_time(&self, skew: Tick) -> Option<Tick> {
+        skew.checked_mul(self.adc.len().saturating_sub(1) as u64)
     }
 
     /// The channels as the digital side is told of them.

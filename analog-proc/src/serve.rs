@@ -186,7 +186,8 @@ impl Server {
             ));
         }
         let scan = loaded.channels.scan_time(skew);
-        if skew < Tick::ZERO || scan > latency {
+        if skew < Tick::ZERO || scan.is_none_or(|scan| scan > latency) {
+            let scan = scan.map_or("more than 292 years".into(), |scan| scan.to_string());
             return Err(format!(
                 "the scan of the ADC channels takes {scan} (skew {skew} a channel), longer than the latency {latency}; raise the latency or lower the skew"
             ));

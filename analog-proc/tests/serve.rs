@@ -188,3 +188,17 @@ fn a_refused_request_changes_nothing() {
     assert_eq!(session.start(), [2.0, 0.25, 7.0, 6.0]);
     session.bye();
 }
+
+#[test]
+fn a_scan_beyond_all_ticks_is_refused() {
+    let mut session = Session::load(Profile::ideal());
+    // Four channels, three skews: the first two times three wrap to negative scans.
+    let wrapping = Tick(i64::MAX / 3 + 1);
+    let minus_one = Tick(0x5555_5555_5555_5555);
+    for skew in [wrapping, minus_one, Tick(i64::MAX), Tick(i64::MIN)] {
+        let text = session.refuses(Request::Operate(spec(skew)));
+        assert!(text.contains("scan"), "skew {skew}: {text}");
+    }
+    session.run();
+    session.bye();
+}
