@@ -3,7 +3,9 @@
 //! Problem time is kept in seconds within a run, but every stop lands exactly on
 //! [`Tick::secs`]. What the digital side sets takes effect together at
 //! [`Simulation::apply`]. Recording reads the dense output and never alters a
-//! step. The engine that steps is in [`crate::operate`].
+//! step. The engine that steps is in [`crate::operate`]. It is long, but one concept:
+//! a thin driver whose methods all guard the same few fields (mode, what is not yet
+//! applied, what ended the run), and most of it says what each promises.
 
 use interface::Tick;
 
