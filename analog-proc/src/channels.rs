@@ -4,10 +4,14 @@
 //! Each ADC converts (bits, full scale, saturation flag); each DAC converts,
 //! holds (zero order, extrapolating, interpolating) and settles; each DCU is
 //! set to its nearest coefficient. With an ideal profile every stage passes f64.
+//! What lies beyond a stage is held at its end and flagged in the next frame,
+//! whether it came in a transfer or stood there when the run started.
+
+mod build;
 
 use crate::{
     block::{dac::DacPiece, logic},
-    net::{Kind, NetId, Netlist},
+    net::{NetId, Netlist},
     simulation::Simulation,
 };
 use interface::{
@@ -20,12 +24,14 @@ use interface::{
     profile::Profile,
 };
 
+#[derive(Clone)]
 struct AdcChannel {
     channel: usize,
     net: NetId,
     converter: Converter,
 }
 
+#[derive(Clone)]
 struct DacChannel {
     channel: usize,
     converter: Converter,
@@ -33,18 +39,45 @@ struct DacChannel {
     value: f64,
 }
 
+#[derive(Clone)]
 struct DcuChannel {
     channel: usize,
     unit: CoefficientUnit,
     value: f64,
 }
 
+/// DAC and DCU channels set beyond what their stage can represent, a bit each.
+#[derive(Clone, Default)]
+struct Saturations {
+    dac: u64,
+    dcu: [u64; 2],
+}
+
+impl Saturations {
+    /// Converts a DAC channel's present value.
+    fn convert(&mut self, dac: &DacChannel) -> f64 {
+        let conversion = dac.converter.convert(dac.value);
+        self.dac |= u64::from(conversion.saturated || conversion.non_finite) << dac.channel;
+        conversion.value
+    }
+
+    /// The coefficient to which a DCU channel's present value sets it.
+    fn set(&mut self, dcu: &DcuChannel) -> f64 {
+        let setting = dcu.unit.set(dcu.value);
+        self.dcu[dcu.channel / 64] |=
+            u64::from(setting.saturated || setting.non_finite) << (dcu.channel % 64);
+        setting.value
+    }
+}
+
+#[derive(Clone)]
 struct Line {
     line: usize,
     net: NetId,
 }
 
 /// Every channel of one loaded patch, in order of number.
+#[derive(Clone)]
 pub struct Channels {
     profile: Profile,
     adc: Vec<AdcChannel>,
@@ -55,224 +88,54 @@ pub struct Channels {
     control: Vec<(usize, bool)>,
     edges: Vec<logic::Edge>,
     /// What saturated, and which transfers took effect, since the last frame.
-    dac_saturated: u64,
-    dcu_saturated: [u64; 2],
+    saturations: Saturations,
     transfers: Vec<Transfer>,
 }
 
 impl Channels {
-    /// Collects the channels of a patch and sets the machine to their initial values.
-    ///
-    /// # Errors
-    /// A text naming the converters that have bits but no full scale.
-    pub fn new(
-        netlist: &Netlist,
-        profile: &Profile,
-        simulation: &mut Simulation,
-    ) -> Result<Channels, String> {
-        let mut channels = Channels {
-            profile: profile.clone(),
-            adc: Vec::new(),
-            dac: Vec::new(),
-            dcu: Vec::new(),
-            sense: Vec::new(),
-            control: Vec::new(),
-            edges: Vec::new(),
-            dac_saturated: 0,
-            dcu_saturated: [0; 2],
-            transfers: Vec::new(),
-        };
-        let mut faults = Vec::new();
-        for block in &netlist.blocks {
-            let mut fault =
-                |e: &dyn std::fmt::Display| faults.push(format!("`{}`: {e}", block.name));
-            let net = block.outputs[0];
-            match block.kind {
-                Kind::Adc { channel } => match profile.adc_converter(block.max) {
-                    Ok(converter) => channels.adc.push(AdcChannel {
-                        channel: channel as usize,
-                        net,
-                        converter,
-                    }),
-                    Err(e) => fault(&e),
-                },
-                Kind::Dac { channel, initial } | Kind::Mdac { channel, initial } => {
-                    match profile.dac_converter(block.max) {
-                        Ok(converter) => channels.dac.push(DacChannel {
-                            channel: channel as usize,
-                            converter,
-                            hold: Hold::new(profile.hold(), initial),
-                            value: initial,
-                        }),
-                        Err(e) => fault(&e),
-                    }
-                }
-                Kind::Dcu {
-                    channel,
-                    initial,
-                    range,
-                } => match profile.coefficient_unit(range) {
-                    Ok(unit) => channels.dcu.push(DcuChannel {
-                        channel: channel as usize,
-                        unit,
-                        value: initial,
-                    }),
-                    Err(e) => fault(&e),
-                },
-                Kind::DigitalFunction {
-                    first_channel,
-                    ref initial,
-                    ..
-                } => match profile.coefficient_unit(None) {
-                    Ok(unit) => channels
-                        .dcu
-                        .extend((first_channel as usize..).zip(initial).map(
-                            |(channel, &value)| DcuChannel {
-                                channel,
-                                unit,
-                                value,
-                            },
-                        )),
-                    Err(e) => fault(&e),
-                },
-                Kind::Sense { line } => channels.sense.push(Line {
-                    line: line as usize,
-                    net,
-                }),
-                Kind::Control { line, initial } => channels.control.push((line as usize, initial)),
-                _ => {}
-            }
-        }
-        if !faults.is_empty() {
-            return Err(format!(
-                "the profile `{}` cannot convert these blocks:\n  {}",
-                profile.name,
-                faults.join("\n  ")
-            ));
-        }
-        channels.adc.sort_by_key(|c| c.channel);
-        channels.dac.sort_by_key(|c| c.channel);
-        channels.dcu.sort_by_key(|c| c.channel);
-        channels.set_all(simulation);
-        Ok(channels)
-    }
-
-    /// Takes over the settings of the same channels before a pot-set.
-    pub fn carry_over(&mut self, old: &Channels, simulation: &mut Simulation) {
-        for dac in &mut self.dac {
-            if let Some(was) = old.dac.iter().find(|d| d.channel == dac.channel) {
-                dac.value = was.value;
-            }
-        }
-        for dcu in &mut self.dcu {
-            if let Some(was) = old.dcu.iter().find(|d| d.channel == dcu.channel) {
-                dcu.value = was.value;
-            }
-        }
-        for (line, value) in &mut self.control {
-            if let Some((_, was)) = old.control.iter().find(|(l, _)| l == line) {
-                *value = *was;
-            }
-        }
-        self.set_all(simulation);
-    }
-
     /// ADC channels in a scan.
     #[must_use]
     pub fn adc_count(&self) -> usize {
         self.adc.len()
     }
 
-    /// From the first to the last hold of a scan.
+    /// From the first to the last hold of a scan; `None` where no tick can hold it.
     #[must_use]
-    pub fn scan_time(&self, skew: Tick) -> Tick {
-        skew * (self.adc.len().saturating_sub(1)) as i64
+    pub fn scan_time(&self, skew: Tick) -> Option<Tick> {
+        skew.checked_mul(self.adc.len().saturating_sub(1) as u64)
     }
 
-    /// The channels as the digital side is told of them.
-    #[must_use]
-    pub fn describe(&self, netlist: &Netlist) -> Vec<Channel> {
-        let mut described = Vec::new();
-        for block in &netlist.blocks {
-            let (kind, number, count) = match block.kind {
-                Kind::Adc { channel } => (ChannelKind::Adc, channel, 1),
-                Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => {
-                    (ChannelKind::Dac, channel, 1)
-                }
-                Kind::Dcu { channel, .. } => (ChannelKind::Dcu, channel, 1),
-                Kind::DigitalFunction {
-                    first_channel,
-                    ref x,
-                    ..
-                } => (ChannelKind::Dcu, first_channel, x.len()),
-                Kind::Sense { line } => (ChannelKind::Sense, line, 1),
-                Kind::Control { line, .. } => (ChannelKind::Control, line, 1),
-                Kind::Interrupt { line } => (ChannelKind::Interrupt, line, 1),
-                _ => continue,
-            };
-            for i in 0..count {
-                // The ordinates of a function generator are NAME[0], NAME[1], …
-                let name = if matches!(block.kind, Kind::DigitalFunction { .. }) {
-                    format!("{}[{i}]", block.name)
-                } else {
-                    block.name.clone()
-                };
-                described.push(Channel {
-                    kind,
-                    name,
-                    number: number + i as u32,
-                    full_scale: block.max,
-                });
-            }
-        }
-        described
-    }
-
-    /// Sets one channel by its name while the machine does not operate.
+    /// Sets channels by their names while the machine does not operate: all or none.
     ///
     /// # Errors
     /// A text naming the channel that does not exist or the value that is no number.
     pub fn preset(
         &mut self,
         netlist: &Netlist,
-        name: &str,
-        value: f64,
+        values: &[(String, f64)],
         simulation: &mut Simulation,
     ) -> Result<(), String> {
-        if !value.is_finite() {
-            return Err(format!(
-                "the preset of `{name}` is {value}, not a finite number"
-            ));
-        }
-        let settable = |c: &&Channel| {
-            matches!(
-                c.kind,
-                ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control
-            )
-        };
         let described = self.describe(netlist);
-        let channel = described
+        let settable: Vec<(ChannelKind, usize)> = values
             .iter()
-            .filter(settable)
-            .find(|c| c.name == name)
-            .ok_or_else(|| {
-                format!("the patch has no DAC, DCU or control line `{name}` to preset")
-            })?;
-        let number = channel.number as usize;
-        match channel.kind {
-            ChannelKind::Dac => {
-                if let Some(dac) = self.dac.iter_mut().find(|d| d.channel == number) {
-                    dac.value = value;
+            .map(|(name, value)| settable(&described, name, *value))
+            .collect::<Result<_, _>>()?;
+        for ((kind, number), (_, value)) in settable.into_iter().zip(values) {
+            match kind {
+                ChannelKind::Dac => {
+                    if let Some(dac) = self.dac.iter_mut().find(|d| d.channel == number) {
+                        dac.value = *value;
+                    }
                 }
-            }
-            ChannelKind::Dcu => {
-                if let Some(dcu) = self.dcu.iter_mut().find(|d| d.channel == number) {
-                    dcu.value = value;
+                ChannelKind::Dcu => {
+                    if let Some(dcu) = self.dcu.iter_mut().find(|d| d.channel == number) {
+                        dcu.value = *value;
+                    }
                 }
-            }
-            _ => {
-                if let Some((_, on)) = self.control.iter_mut().find(|(l, _)| *l == number) {
-                    *on = value != 0.0;
+                _ => {
+                    if let Some((_, on)) = self.control.iter_mut().find(|(l, _)| *l == number) {
+                        *on = *value != 0.0;
+                    }
                 }
             }
         }
@@ -280,16 +143,18 @@ impl Channels {
         Ok(())
     }
 
-    /// Puts every channel to its present value, held: where a run starts.
+    /// Puts every channel to its present value, held: where a run starts. What saturates
+    /// here is told in the run's first frame; what saturated before is forgotten.
     pub fn set_all(&mut self, simulation: &mut Simulation) {
         let now_s = simulation.now_s();
+        self.saturations = Saturations::default();
         for dac in &mut self.dac {
             dac.hold = Hold::new(self.profile.hold(), dac.value);
-            let value = dac.converter.convert(dac.value).value;
+            let value = self.saturations.convert(dac);
             simulation.set_dac(dac.channel as u32, DacPiece::held(value, now_s));
         }
         for dcu in &self.dcu {
-            simulation.set_dcu(dcu.channel as u32, dcu.unit.set(dcu.value).value);
+            simulation.set_dcu(dcu.channel as u32, self.saturations.set(dcu));
         }
         for (line, on) in &self.control {
             simulation.set_control(*line as u32, *on);
@@ -327,11 +192,8 @@ impl Channels {
                 continue;
             }
             dac.value = updates.dac[dac.channel];
-            let conversion = dac.converter.convert(dac.value);
-            if conversion.saturated || conversion.non_finite {
-                self.dac_saturated |= 1 << dac.channel;
-            }
-            let piece = dac.hold.transfer(at, conversion.value);
+            let value = self.saturations.convert(dac);
+            let piece = dac.hold.transfer(at, value);
             simulation.set_dac(
                 dac.channel as u32,
                 DacPiece {
@@ -346,11 +208,7 @@ impl Channels {
         for dcu in &mut self.dcu {
             if updates.dcu_mask[dcu.channel / 64] >> (dcu.channel % 64) & 1 == 1 {
                 dcu.value = updates.dcu[dcu.channel];
-                let setting = dcu.unit.set(dcu.value);
-                if setting.saturated || setting.non_finite {
-                    self.dcu_saturated[dcu.channel / 64] |= 1 << (dcu.channel % 64);
-                }
-                simulation.set_dcu(dcu.channel as u32, setting.value);
+                simulation.set_dcu(dcu.channel as u32, self.saturations.set(dcu));
             }
         }
         for (line, on) in &mut self.control {
@@ -428,14 +286,32 @@ impl Channels {
             *slot = transfer;
             samples.transfer_count += 1;
         }
-        samples.dac_saturated |= std::mem::take(&mut self.dac_saturated);
-        for (told, new) in samples
-            .dcu_saturated
-            .iter_mut()
-            .zip(&mut self.dcu_saturated)
-        {
-            *told |= std::mem::take(new);
+        let new = std::mem::take(&mut self.saturations);
+        samples.dac_saturated |= new.dac;
+        for (told, new) in samples.dcu_saturated.iter_mut().zip(new.dcu) {
+            *told |= new;
         }
         samples.overloads = simulation.overloads().len() as u32;
     }
+}
+
+/// Kind and number of the channel `name`, if it can be preset to `value`.
+fn settable(described: &[Channel], name: &str, value: f64) -> Result<(ChannelKind, usize), String> {
+    if !value.is_finite() {
+        return Err(format!(
+            "the preset of `{name}` is {value}, not a finite number"
+        ));
+    }
+    let is_settable = |c: &&Channel| {
+        matches!(
+            c.kind,
+            ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control
+        )
+    };
+    described
+        .iter()
+        .filter(is_settable)
+        .find(|c| c.name == name)
+        .map(|c| (c.kind, c.number as usize))
+        .ok_or_else(|| format!("the patch has no DAC, DCU or control line `{name}` to preset"))
 }

@@ -3,7 +3,9 @@
 //! One match evaluates them all: no dispatch by pointer, no hashing, no
 //! allocation. They read and write one flat array of nets by `u32` index;
 //! what stands still within a step comes from [`Frozen`]. Which of them run,
-//! and when, is decided by [`crate::machine`] and [`crate::kernel`].
+//! and when, is decided by [`crate::machine`] and [`crate::kernel`]. It is long, but
+//! one concept: an operation's operands and its value belong in one view, and the
+//! match that evaluates them must be one match to be fast.
 
 use crate::machine::{Frozen, Machine};
 

@@ -6,6 +6,7 @@
 use crate::{
     channels::Channels,
     frame_cycle,
+    mode::Mode,
     net::{BlockId, NetId},
     order::Ordered,
     patch,
@@ -102,26 +103,11 @@ impl Server {
                 Ok(Reply::Done)
             }
             Request::SetIcs(values) => {
-                let loaded = self.loaded()?;
-                for (name, value) in values {
-                    loaded.set_ic(&name, value)?;
-                    loaded.ics.retain(|(n, _)| *n != name);
-                    loaded.ics.push((name, value));
-                }
-                loaded.reset()?;
+                self.loaded()?.set_ics(values)?;
                 Ok(Reply::Done)
             }
             Request::Preset(values) => {
-                let loaded = self.loaded()?;
-                for (name, value) in values {
-                    loaded.channels.preset(
-                        &loaded.ordered.netlist,
-                        &name,
-                        value,
-                        &mut loaded.simulation,
-                    )?;
-                }
-                loaded.settle()?;
+                self.loaded()?.preset(&values)?;
                 Ok(Reply::Done)
             }
             Request::Read(names) => {
@@ -200,7 +186,8 @@ impl Server {
             ));
         }
         let scan = loaded.channels.scan_time(skew);
-        if skew < Tick::ZERO || scan > latency {
+        if skew < Tick::ZERO || scan.is_none_or(|scan| scan > latency) {
+            let scan = scan.map_or("more than 292 years".into(), |scan| scan.to_string());
             return Err(format!(
                 "the scan of the ADC channels takes {scan} (skew {skew} a channel), longer than the latency {latency}; raise the latency or lower the skew"
             ));
@@ -237,29 +224,69 @@ impl Loaded {
             simulation,
             channels,
         };
-        for (name, value) in ics {
-            loaded.set_ic(&name, value)?;
-            loaded.ics.push((name, value));
-        }
-        loaded.reset()?;
+        loaded.set_ics(ics)?;
         Ok(loaded)
     }
 
-    fn set_ic(&mut self, name: &str, value: f64) -> Result<(), String> {
+    /// Sets initial conditions and goes to IC; where that is impossible the former ones
+    /// are put back.
+    fn set_ics(&mut self, values: Vec<(String, f64)>) -> Result<(), String> {
+        let blocks = values
+            .iter()
+            .map(|(name, value)| self.store(name, *value))
+            .collect::<Result<Vec<BlockId>, _>>()?;
+        let former: Vec<Option<f64>> = blocks.iter().map(|b| self.simulation.ic(*b)).collect();
+        for (block, (_, value)) in blocks.iter().zip(&values) {
+            self.simulation.set_ic(*block, *value);
+        }
+        if let Err(fault) = self.simulation.reset() {
+            for (block, former) in blocks.iter().zip(former) {
+                if let Some(value) = former {
+                    self.simulation.set_ic(*block, value);
+                }
+            }
+            // A fault of the former ICs stood before; it stands on in the simulation.
+            self.reset().ok();
+            return Err(fault.to_string());
+        }
+        for (name, value) in values {
+            self.ics.retain(|(n, _)| *n != name);
+            self.ics.push((name, value));
+        }
+        Ok(())
+    }
+
+    /// The block whose initial condition is to be `value`.
+    fn store(&self, name: &str, value: f64) -> Result<BlockId, String> {
         if !value.is_finite() {
             return Err(format!(
                 "the IC of `{name}` is {value}, not a finite number"
             ));
         }
-        let block = self
-            .ordered
+        self.ordered
             .netlist
             .blocks
             .iter()
             .position(|b| b.name == name && b.kind.is_store())
-            .ok_or_else(|| format!("the patch has no integrator `{name}` to set an IC of"))?;
-        self.simulation.set_ic(BlockId(block as u32), value);
-        Ok(())
+            .map(|index| BlockId(index as u32))
+            .ok_or_else(|| format!("the patch has no integrator `{name}` to set an IC of"))
+    }
+
+    /// Presets channels; where the machine cannot settle with them the former settings
+    /// are put back. At IC the fault goes with them; later it stands until the next reset.
+    fn preset(&mut self, values: &[(String, f64)]) -> Result<(), String> {
+        let former = self.channels.clone();
+        self.channels
+            .preset(&self.ordered.netlist, values, &mut self.simulation)?;
+        let Err(fault) = self.settle() else {
+            return Ok(());
+        };
+        self.channels = former;
+        self.channels.set_all(&mut self.simulation);
+        if self.simulation.mode() == Mode::InitialCondition {
+            self.reset().ok();
+        }
+        Err(fault)
     }
 
     fn reset(&mut self) -> Result<(), String> {

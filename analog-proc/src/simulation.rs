@@ -3,7 +3,9 @@
 //! Problem time is kept in seconds within a run, but every stop lands exactly on
 //! [`Tick::secs`]. What the digital side sets takes effect together at
 //! [`Simulation::apply`]. Recording reads the dense output and never alters a
-//! step. The engine that steps is in [`crate::operate`].
+//! step. The engine that steps is in [`crate::operate`]. It is long, but one concept:
+//! a thin driver whose methods all guard the same few fields (mode, what is not yet
+//! applied, what ended the run), and most of it says what each promises.
 
 use interface::Tick;
 
@@ -153,6 +155,13 @@ impl Simulation {
         if let Some(Some(state)) = state {
             self.engine.ics[*state as usize] = value;
         }
+    }
+
+    /// The initial condition of a block with a state.
+    #[must_use]
+    pub fn ic(&self, block: BlockId) -> Option<f64> {
+        let state = (*self.engine.machine.state_of_block.get(block.index())?)?;
+        Some(self.engine.ics[state as usize])
     }
 
     /// Problem time, to the nearest tick.

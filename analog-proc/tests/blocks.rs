@@ -5,21 +5,19 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use analog_proc::block::dac::DacPiece;
 use analog_proc::net::NetId;
 use analog_proc::order::Ordered;
 use analog_proc::patch::compile;
 use analog_proc::simulation::Simulation;
-use interface::Tick;
+use common::{close, tick};
 use interface::control::PatchBundle;
 
 struct Bench {
     ordered: Ordered,
     simulation: Simulation,
-}
-
-fn tick(s: f64) -> Tick {
-    Tick::from_secs(s).unwrap()
 }
 
 fn bench(blocks: &str) -> Bench {
@@ -78,14 +76,6 @@ impl Bench {
         self.simulation.take_edges(&mut edges);
         edges.iter().map(|e| (e.rising, e.t_s)).collect()
     }
-}
-
-fn close(found: f64, expected: f64, relative: f64, what: &str) {
-    let error = (found - expected).abs() / expected.abs();
-    assert!(
-        error <= relative,
-        "{what}: {found} instead of {expected}, relative error {error:e}"
-    );
 }
 
 /// Rounding of a dozen operations on values up to eight.

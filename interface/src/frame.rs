@@ -93,7 +93,8 @@ pub struct Samples {
     pub adc: [f64; ADC_CHANNELS],
     /// One bit per ADC channel that saturated in this frame.
     pub adc_saturated: u64,
-    /// One bit per DAC channel that saturated in a transfer since the last frame.
+    /// One bit per DAC channel that saturated in a transfer since the last frame, or, in
+    /// the first frame, where the run started.
     pub dac_saturated: u64,
     /// One bit per DCU channel likewise (low 64, high 64).
     pub dcu_saturated: [u64; 2],

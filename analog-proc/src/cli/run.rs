@@ -3,6 +3,7 @@
 use super::{Failure, PatchArgs, check::Compiled, expect_folder};
 use crate::{
     net::{Block, Kind, NetId},
+    patch::suggestion,
     record::{RecordFault, Recorder},
     simulation::Simulation,
 };
@@ -136,13 +137,9 @@ impl Run {
                 .position(|n| n.name == *name)
                 .map(|i| (name.clone(), NetId(i as u32)))
                 .ok_or_else(|| {
-                    let nearest = netlist
-                        .nets
-                        .iter()
-                        .min_by_key(|n| strsim::damerau_levenshtein(&n.name, name))
-                        .map(|n| format!("; did you mean `{}`?", n.name))
-                        .unwrap_or_default();
-                    Failure::input(format!("--record: the patch has no net `{name}`{nearest}"))
+                    let names = netlist.nets.iter().map(|n| n.name.as_str());
+                    let help = suggestion(name, "nets", names);
+                    Failure::input(format!("--record: the patch has no net `{name}`; {help}"))
                 })
         };
         self.record.iter().map(find).collect()

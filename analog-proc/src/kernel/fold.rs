@@ -4,7 +4,8 @@
 //! coefficient units to the net behind them, and its readers are counted; an
 //! operation without readers is left for the end of the step. Then a sum with a
 //! single reader that is itself a sum is written into it, and likewise a product
-//! whose single reader is a derivative.
+//! whose single reader is a derivative. It is long, but one concept: every rewriting
+//! rests on the same counts of readers, made before the first of them.
 
 use super::rows::{Row, Rows};
 use super::{Kernel, Place, Scaled, Step};

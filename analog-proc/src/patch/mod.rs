@@ -26,7 +26,7 @@ pub use diagnostic::PatchFault;
 pub use faults::{FaultRecord, MOST_FAULTS, PatchFaults, Sources};
 pub use scope::{DEEPEST, MOST_BLOCKS};
 
-pub(crate) use faults::Faults;
+pub(crate) use faults::{Faults, suggestion};
 pub(crate) use resolve::Draft;
 
 use crate::check;

@@ -4,18 +4,20 @@
 //! be understood, so that the later stages can look at the rest of the patch
 //! without repeating the fault. A draft with faults never becomes a checked net.
 
-use super::catalogue::{self, Arity};
-use super::coefficient::{FactorValue, parse};
+mod inputs;
+
+use super::catalogue;
 use super::diagnostic::PatchFault;
 use super::faults::{Faults, suggestion};
 use super::fields::Fields;
 use super::kinds;
-use super::number::{self, bad_coefficient, evaluate, part_of};
-use super::scope::{self, Instances, Scope, Stub};
+use super::number;
+use super::scope::{self, Instances, Stub};
 use super::settings;
 use super::text::{BlockText, PatchText};
 use super::value::{Data, Entry, Value};
 use crate::net::{Block, BlockId, Expected, Input, Integration, Kind, Net, NetId, Netlist, Span};
+use inputs::inputs_of;
 use std::collections::HashMap;
 
 /// A net that has not been checked.
@@ -81,11 +83,6 @@ pub(crate) fn resolve(
         notes,
     })
 }
-
-/// In a patch of more nets than this …
-const MOST_SEARCHED: usize = 2000;
-/// … near names are looked for in the first so many faults only, since each search reads all names.
-const FIRST_FAULTS: usize = 10;
 
 struct Made {
     block: Block,
@@ -183,106 +180,6 @@ impl<'a> Resolver<'a> {
             &self.instances.scopes[scope].params,
             self.faults,
         )
-    }
-
-    /// A weighted input in a scope.
-    pub(crate) fn input(&mut self, scope: usize, field: &str, value: &Value) -> Option<Input> {
-        let Data::Text(text) = &value.data else {
-            number::wrong_type(
-                field,
-                "the name of a net in quotes, such as \"-2 * x\"",
-                value,
-                self.faults,
-            );
-            return None;
-        };
-        let place = part_of(self.faults, value.span, text);
-        let product = match parse(text) {
-            Ok(product) => product,
-            Err(error) => {
-                bad_coefficient(text, place(error.range), error.why, error.help, self.faults);
-                return None;
-            }
-        };
-        let last = product.factors.last()?;
-        let FactorValue::Name(name) = last.value else {
-            bad_coefficient(
-                text,
-                place(last.range.clone()),
-                "the last factor must be a net",
-                "write `0.5 * x`; a number alone needs a `constant` block, { kind = \"constant\", value = 0.5 }",
-                self.faults,
-            );
-            return None;
-        };
-        let params = &self.instances.scopes[scope].params;
-        let coefficient = evaluate(&product, true, params, &place, field, self.faults);
-        let (net, weight) = self.net(scope, name, place(last.range.clone()))?;
-        let coefficient = coefficient? * weight;
-        if !coefficient.is_finite() {
-            number::not_finite(field, value.span, self.faults);
-            return None;
-        }
-        Some(Input {
-            net,
-            coefficient,
-            span: value.span,
-        })
-    }
-
-    fn net(&mut self, scope: usize, name: &str, at: Span) -> Option<Weighted> {
-        if let Some(binding) = self.bound.get(scope).and_then(|ports| ports.get(name)) {
-            return *binding;
-        }
-        let Scope { prefix, params, .. } = &self.instances.scopes[scope];
-        if let Some(&net) = self.by_name.get(&format!("{prefix}{name}")) {
-            return Some((net, 1.0));
-        }
-        let is_dead = name.match_indices('.').any(|(dot, _)| {
-            let instance = format!("{prefix}{}", &name[..=dot]);
-            self.instances.dead.contains(&instance)
-        });
-        if is_dead {
-            return None;
-        }
-        if self.faults.is_full() {
-            // Only counted: the search for a near name over all nets costs too much to repeat.
-            self.faults.omit();
-            return None;
-        }
-        if params.contains_key(name) {
-            self.faults.push(at, |src, at| PatchFault::UnknownNet {
-                src,
-                at,
-                net: name.to_owned(),
-                help: format!("`{name}` is a parameter; to use it as a signal, make it a block: {{ kind = \"constant\", value = \"{name}\" }}"),
-            });
-            return None;
-        }
-        if self.nets.len() > MOST_SEARCHED && self.faults.count() >= FIRST_FAULTS {
-            self.faults.push(at, |src, at| PatchFault::UnknownNet {
-                src,
-                at,
-                net: name.to_owned(),
-                help: "check the spelling against [blocks]; near names are shown for the first faults only".into(),
-            });
-            return None;
-        }
-        let ports = self.bound.get(scope).into_iter().flat_map(|p| p.keys());
-        let mut near: Vec<&str> = ports.map(String::as_str).collect();
-        near.extend(
-            self.nets
-                .iter()
-                .filter_map(|net| net.name.strip_prefix(prefix.as_str())),
-        );
-        let help = suggestion(name, "nets", near);
-        self.faults.push(at, |src, at| PatchFault::UnknownNet {
-            src,
-            at,
-            net: name.to_owned(),
-            help,
-        });
-        None
     }
 
     /// Makes a block that a field needs, and gives its net.
@@ -421,72 +318,4 @@ impl<'a> Resolver<'a> {
 fn article(kind: &str) -> String {
     let vowel = kind.starts_with(['a', 'e', 'i', 'o']);
     format!("{} {kind}", if vowel { "an" } else { "a" })
-}
-
-fn inputs_of(fields: &mut Fields<'_, '_>, arity: Arity, kind: &str) -> Vec<Input> {
-    let owner = format!("{} `{}`", article(kind), fields.owner);
-    let at = fields.at;
-    let Some(entry) = fields.entry("in") else {
-        if arity.least > 0 {
-            unconnected(owner, at, arity, fields);
-        }
-        return Vec::new();
-    };
-    let items: Vec<&Value> = match &entry.value.data {
-        Data::List(items) => items.iter().collect(),
-        // A single input may stand without brackets.
-        Data::Text(_) => vec![&entry.value],
-        _ => {
-            number::wrong_type(
-                "in",
-                "a list of nets such as [\"x\", \"-2 * y\"]",
-                &entry.value,
-                fields.resolver.faults,
-            );
-            return Vec::new();
-        }
-    };
-    let found = items.len();
-    if found == 0 && arity.least > 0 {
-        unconnected(owner, entry.value.span, arity, fields);
-    } else if found < arity.least || arity.most.is_some_and(|most| found > most) {
-        let help = if arity.most == Some(0) {
-            "it is a source: remove `in`".to_owned()
-        } else if arity.most.is_some_and(|most| found > most) {
-            "sum the inputs in a `summer` first, or leave some out".to_owned()
-        } else {
-            "name each input in the list `in`".to_owned()
-        };
-        fields
-            .resolver
-            .faults
-            .push(entry.value.span, |src, at| PatchFault::Arity {
-                src,
-                at,
-                owner,
-                wanted: arity.words(),
-                found,
-                help,
-            });
-    }
-    let scope = fields.scope;
-    items
-        .into_iter()
-        .filter_map(|item| fields.resolver.input(scope, "in", item))
-        .collect()
-}
-
-fn unconnected(owner: String, at: Span, arity: Arity, fields: &mut Fields<'_, '_>) {
-    fields
-        .resolver
-        .faults
-        .push(at, |src, at| PatchFault::UnconnectedInput {
-            src,
-            at,
-            owner,
-            help: format!(
-                "it takes {}: in = [\"NET\"]; for a fixed input wire a `constant` block",
-                arity.words()
-            ),
-        });
 }

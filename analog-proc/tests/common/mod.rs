@@ -1,4 +1,4 @@
-//! Wiring patches in code, for tests and benchmarks of the engine alone.
+//! Wiring patches in code and comparing numbers, for tests and benchmarks of the engine alone.
 
 #![allow(
     dead_code,
@@ -10,7 +10,22 @@ use analog_proc::net::{Integration, Kind, Level, Method, NetId};
 use analog_proc::order::Ordered;
 use analog_proc::patch::compile;
 use analog_proc::simulation::Simulation;
+use interface::Tick;
 use interface::control::PatchBundle;
+
+/// The tick nearest to `s` seconds.
+pub fn tick(s: f64) -> Tick {
+    Tick::from_secs(s).unwrap()
+}
+
+/// Asserts that `found` lies within a relative error of `expected`.
+pub fn close(found: f64, expected: f64, relative: f64, what: &str) {
+    let error = (found - expected).abs() / expected.abs();
+    assert!(
+        error <= relative,
+        "{what}: {found} instead of {expected}, relative error {error:e}"
+    );
+}
 
 /// A patch under construction; inputs are `net` or `c * net`.
 #[derive(Clone, Default)]

@@ -1,0 +1,113 @@
+//! The typed net: what a patch means, after names are resolved and before it is checked.
+//!
+//! Blocks and nets are indices; names and spans are kept only for messages and
+//! read-back. One block drives one net of the same name (a resolver drives two).
+//! All numbers are in problem units; parameters are already put in.
+
+mod integration;
+mod kind;
+
+pub use integration::{Integration, Method, OverloadPolicy};
+pub use kind::{Kind, Level, Wave};
+
+/// Index of a net.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NetId(pub u32);
+
+/// Index of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BlockId(pub u32);
+
+impl NetId {
+    /// As an index.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl BlockId {
+    /// As an index.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A byte range in one of the patch's files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// Index into the list of files.
+    pub file: u32,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+/// One weighted input: `coefficient · net`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input {
+    /// The net that is read.
+    pub net: NetId,
+    /// Its coefficient.
+    pub coefficient: f64,
+    /// Where it stands in the patch.
+    pub span: Span,
+}
+
+/// One block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Full name, with the prefixes of its sub-patches.
+    pub name: String,
+    /// Where it stands in the patch.
+    pub span: Span,
+    /// What it does.
+    pub kind: Kind,
+    /// Weighted inputs, in order.
+    pub inputs: Vec<Input>,
+    /// Nets it drives (one; two for a resolver).
+    pub outputs: Vec<NetId>,
+    /// Scale factor `max`, problem units at full scale.
+    pub max: Option<f64>,
+}
+
+/// One net.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Net {
+    /// Name.
+    pub name: String,
+    /// The block that drives it.
+    pub driver: BlockId,
+}
+
+/// Values that the static check compares with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// The net.
+    pub net: NetId,
+    /// Output at IC.
+    pub output: Option<f64>,
+    /// Derivative at IC (integrators).
+    pub derivative: Option<f64>,
+    /// Absolute tolerance, problem units.
+    pub tolerance: f64,
+}
+
+/// A whole patch, names resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Netlist {
+    /// Title of the root file.
+    pub title: String,
+    /// Blocks in patch order.
+    pub blocks: Vec<Block>,
+    /// Nets.
+    pub nets: Vec<Net>,
+    /// Integration settings.
+    pub integration: Integration,
+    /// Static-check expectations.
+    pub expected: Vec<Expected>,
+    /// Parameters after overriding, by name (root file only).
+    pub params: Vec<(String, f64)>,
+}

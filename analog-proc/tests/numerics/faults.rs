@@ -1,0 +1,143 @@
+//! What stops a run or is told of it: each fault with its block and its instant.
+
+use crate::common::{Patch, close, integrator, tick};
+use crate::oscillator;
+use analog_proc::fault::RunFault;
+use analog_proc::net::{BlockId, Expected, Kind, Method, NetId, OverloadPolicy};
+use analog_proc::simulation::Simulation;
+
+#[test]
+fn undefined_numbers_are_faults() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut patch = Patch::new();
+        patch.add("y", integrator(bad), &["-1 * y"]);
+        assert!(matches!(
+            Simulation::new(&patch.ordered()),
+            Err(RunFault::NonFinite { .. })
+        ));
+        let mut patch = Patch::new();
+        patch.add("c", Kind::Constant { value: bad }, &[]);
+        patch.add("y", integrator(0.0), &["c"]);
+        assert!(matches!(
+            Simulation::new(&patch.ordered()),
+            Err(RunFault::NonFinite { .. })
+        ));
+        let mut patch = oscillator(Method::DormandPrince);
+        patch.integration.rtol = bad;
+        assert!(matches!(
+            Simulation::new(&patch.ordered()),
+            Err(RunFault::Setting { .. })
+        ));
+    }
+    // dy/dt = y² from 1 is infinite at t = 1.
+    let mut patch = Patch::new();
+    patch.add("y", integrator(1.0), &["q"]);
+    patch.add("q", Kind::Square, &["y"]);
+    let fault = patch.simulation().advance_to(tick(2.0)).unwrap_err();
+    assert!(
+        matches!(
+            fault,
+            RunFault::StepUnderflow { .. } | RunFault::NonFinite { .. }
+        ),
+        "{fault}"
+    );
+}
+
+#[test]
+fn zero_divisors_and_negative_roots_are_located() {
+    let mut patch = Patch::new();
+    patch.add("t", Kind::Time, &[]);
+    patch.add("one", Kind::Constant { value: 1.0 }, &[]);
+    patch.add("down", Kind::Summer, &["one", "-4 * t"]);
+    patch.add("ratio", Kind::Divider, &["one", "down"]);
+    match patch.simulation().advance_to(tick(1.0)).unwrap_err() {
+        RunFault::DividedByZero { block, t_s } => {
+            assert_eq!(block, "ratio");
+            assert!((t_s - 0.25).abs() < 1e-12);
+        }
+        other => panic!("{other}"),
+    }
+    let mut patch = Patch::new();
+    patch.add("t", Kind::Time, &[]);
+    patch.add("one", Kind::Constant { value: 1.0 }, &[]);
+    patch.add("root", Kind::SquareRoot, &["one", "-4 * t"]);
+    match patch.simulation().advance_to(tick(1.0)).unwrap_err() {
+        RunFault::NegativeRoot { block, t_s } => {
+            assert_eq!(block, "root");
+            assert!((t_s - 0.25).abs() < 1e-12);
+        }
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn races_and_chatter_are_faults_not_hangs() {
+    // A flip-flop that sets itself when clear and clears itself when set.
+    let mut patch = Patch::new();
+    patch.add("q", Kind::FlipFlop { initial: false }, &["nq", "q"]);
+    patch.add("nq", Kind::Not, &["q"]);
+    match Simulation::new(&patch.ordered()) {
+        Err(RunFault::LogicRace { nets, .. }) => assert!(nets.contains(&"q".to_string())),
+        other => panic!("{:?}", other.map(|_| ())),
+    }
+    // Sliding on a relay without hysteresis.
+    let mut patch = Patch::new();
+    patch.add("x", integrator(1.0), &["r"]);
+    let relay = Kind::Relay {
+        points: [0.0, 0.0],
+        outputs: [1.0, -1.0],
+        initially_on: true,
+    };
+    patch.add("r", relay, &["x"]);
+    match patch.simulation().advance_to(tick(2.0)) {
+        Err(RunFault::Chatter { block, t_s, .. }) => {
+            assert_eq!(block, "r");
+            assert!((t_s - 1.0).abs() < 1e-6);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn overload_is_latched_where_it_happens() {
+    let mut patch = oscillator(Method::DormandPrince);
+    // v = −2·sin 2t reaches −1.1 at t = ½·asin(0.55).
+    patch.max("v", 1.0);
+    for policy in [
+        OverloadPolicy::Continue,
+        OverloadPolicy::Hold,
+        OverloadPolicy::Stop,
+    ] {
+        patch.integration.overload = policy;
+        let mut simulation = patch.simulation();
+        let advance = simulation.advance_to(tick(5.0)).unwrap();
+        let latched = simulation.overloads()[0];
+        assert_eq!(simulation.overloads().len(), 1);
+        assert_eq!(latched.block, BlockId(1));
+        close(latched.t_s, 0.5 * 0.55_f64.asin(), 1e-9, "overload");
+        assert_eq!(
+            advance.stopped_by.is_some(),
+            policy != OverloadPolicy::Continue
+        );
+        let again = simulation.advance_to(tick(6.0)).unwrap();
+        assert_eq!(
+            again.reached == tick(6.0),
+            policy == OverloadPolicy::Continue
+        );
+    }
+}
+
+#[test]
+fn static_check_reports_what_differs() {
+    let mut simulation = oscillator(Method::DormandPrince).simulation();
+    let item = |derivative| Expected {
+        net: NetId(1),
+        output: Some(0.0),
+        derivative: Some(derivative),
+        tolerance: 1e-12,
+    };
+    assert!(simulation.static_check(&[item(-4.0)]).unwrap().is_empty());
+    let found = simulation.static_check(&[item(4.0)]).unwrap();
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].derivative, found[0].found), (true, -4.0));
+}
