@@ -74,7 +74,10 @@ impl LongPeriod {
         drop(machine);
 
         let claims = judge(&results);
-        let shown: Vec<report::Claim> = claims.iter().map(for_report).collect();
+        let shown: Vec<report::Claim> = claims
+            .iter()
+            .map(|claim| report::Claim::of(claim, Some("#modes".to_owned())))
+            .collect();
         let outcome = Outcome {
             claims: &claims,
             results: &results,
@@ -126,28 +129,5 @@ impl LongPeriod {
                 text: format!("does not hold: {}", failed.join(", ")),
             })
         }
-    }
-}
-
-/// A claim in the form of the report's table; one that was not judged stands
-/// there as holding in part, with the reason.
-fn for_report(claim: &Claim) -> report::Claim {
-    let mut note = claim.remark.clone().unwrap_or_default();
-    let verdict = match claim.verdict {
-        Verdict::Holds => report::Verdict::Holds,
-        Verdict::Fails => report::Verdict::Fails,
-        Verdict::NotJudged => {
-            note = "not judged: the flights that would decide it were not asked for".to_owned();
-            report::Verdict::InPart
-        }
-    };
-    report::Claim {
-        id: claim.id.to_owned(),
-        sentence: claim.sentence.to_owned(),
-        criterion: claim.criterion.clone(),
-        measured: claim.measured.clone(),
-        verdict,
-        note,
-        evidence: Some("#modes".to_owned()),
     }
 }
