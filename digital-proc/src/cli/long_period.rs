@@ -86,11 +86,7 @@ impl LongPeriod {
             &outcome,
             "Long-period study",
             "Modes of operation flown to burn-out: control dynamics on the analog processor, trajectory on the digital one.",
-            long_period_sections(
-                &results,
-                report::claims_table(&shown),
-                vehicle.data().mass.burn_time_s,
-            ),
+            long_period_sections(&results, report::claims_table(&shown)),
         )?;
         if self.machine.json {
             println!(
