@@ -134,15 +134,15 @@ fn gallery() -> String {
         Axis::new("Samples per cycle", "").log(),
         Axis::new("Growth per cycle", "%").log(),
         &[
-            Pair {
-                name: "zero-order hold",
-                theory: (&per_cycle, &a),
-                measured: (&few, &thin(&a)),
+            Compared {
+                name: "zero-order hold".to_owned(),
+                measured: (few.clone(), thin(&a)),
+                theory: (per_cycle.clone(), a),
             },
-            Pair {
-                name: "extrapolating",
-                theory: (&per_cycle, &b),
-                measured: (&few, &thin(&b)),
+            Compared {
+                name: "extrapolating".to_owned(),
+                measured: (few, thin(&b)),
+                theory: (per_cycle, b),
             },
         ],
     );
