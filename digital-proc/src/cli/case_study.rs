@@ -2,7 +2,6 @@
 
 use super::{
     Context, Failure, MachineArgs,
-    failure::CHECK_FAILED,
     short_period::write_traces,
     study_input::{Curves, StudyArgs, record},
 };
@@ -187,10 +186,7 @@ fn verdict(results: &CaseResults) -> Result<(), Failure> {
     if results.short.disagreements().next().is_some() {
         failed.push("agreement with the linearised loop");
     }
-    Err(Failure {
-        code: CHECK_FAILED,
-        text: format!("not shown to hold: {}", failed.join(", ")),
-    })
+    Err(Failure::failed("not shown to hold", &failed))
 }
 
 /// The paper's ten variables of every mode as one trace, columns named by mode and variable.

@@ -2,7 +2,6 @@
 
 use super::{
     Context, Failure, MachineArgs,
-    failure::CHECK_FAILED,
     study_run::{StudyArgs, StudyRun},
 };
 use crate::{
@@ -120,10 +119,7 @@ impl LongPeriod {
         if failed.is_empty() {
             Ok(())
         } else {
-            Err(Failure {
-                code: CHECK_FAILED,
-                text: format!("does not hold: {}", failed.join(", ")),
-            })
+            Err(Failure::failed("does not hold", &failed))
         }
     }
 }
