@@ -9,6 +9,7 @@ use digital_proc::{
     study::{
         claim::{Claim, Verdict},
         short_period::{
+            bench::Occurrence,
             claims::{self, FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW},
             machine::{self, Answers, Patches},
             measure::Results,
@@ -176,7 +177,7 @@ fn a_run_that_the_machine_stops_does_not_end_the_session() {
         spoilt.remarks.as_slice(),
         [machine::Remark {
             run: 1,
-            what: machine::Occurrence::Stopped { .. },
+            what: Occurrence::Stopped { .. },
             ..
         }]
     ));

@@ -12,7 +12,7 @@ use digital_proc::{
         axes::{Axes, AxesSetting},
         bench::{Bench, BenchFault},
         converter_error::{CoefficientSetting, QuantisationSetting, SkewSetting},
-        feedback::{CircleSetting, RootSetting},
+        feedback::{CircleSetting, Compensation, RootSetting},
         function_generation::{FunctionSetting, Way},
         loop_back::{Route, Stages, window},
         theory::{
@@ -33,10 +33,28 @@ fn bench<R>(with: impl FnOnce(&mut Bench<'_, '_>) -> Result<R, BenchFault>) -> R
     result
 }
 
+/// The grid of the laboratory: 10…400 samples a cycle, latency 0…1, every hold.
+fn circle_grid() -> Vec<CircleSetting> {
+    let mut all = Vec::new();
+    for hold in Hold::ALL {
+        for latency_frames in [0.0, 0.25, 0.5, 1.0] {
+            for samples_per_cycle in [10, 20, 40, 100, 200, 400] {
+                all.push(CircleSetting {
+                    samples_per_cycle,
+                    frame_s: 0.01,
+                    latency_frames,
+                    hold,
+                });
+            }
+        }
+    }
+    all
+}
+
 #[test]
 fn circle_growth_is_that_of_the_exact_map_at_every_setting() {
     bench(|bench| {
-        for setting in CircleSetting::grid() {
+        for setting in circle_grid() {
             let row = bench.circle(&setting)?;
             // The claim. The array integrates polynomials exactly; what is left is the rounding of
             // identification from 8 cycles.
@@ -46,10 +64,29 @@ fn circle_growth_is_that_of_the_exact_map_at_every_setting() {
     });
 }
 
+/// The worked example (ω₀ = 3, ζ = 0.3) over frames, latencies and compensations.
+fn root_grid() -> Vec<RootSetting> {
+    let mut all = Vec::new();
+    for compensation in Compensation::ALL {
+        for latency_frames in [0.0, 0.5, 1.0] {
+            for frame_s in [0.02, 0.05, 0.1, 0.2] {
+                all.push(RootSetting {
+                    omega0_rad_s: 3.0,
+                    zeta: 0.3,
+                    frame_s,
+                    latency_frames,
+                    compensation,
+                });
+            }
+        }
+    }
+    all
+}
+
 #[test]
 fn roots_of_sampled_loops_are_the_exact_ones() {
     bench(|bench| {
-        for setting in RootSetting::grid() {
+        for setting in root_grid() {
             let row = bench.root(&setting)?;
             // The claim.
             assert!((row.zeta_measured - row.zeta_exact).abs() < 1e-4, "{row:?}");

@@ -2,7 +2,6 @@
 
 use super::{
     Context, Failure, MachineArgs,
-    failure::CHECK_FAILED,
     short_period::write_traces,
     study_input::{Curves, StudyArgs, record},
 };
@@ -12,12 +11,13 @@ use crate::{
     report::{
         case_study::{case_study_report, report_claims},
         claims_text,
+        long_period::fuel_words,
     },
     run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
     study::{
         case_study::{self, CaseFault, CasePlan, CaseResults},
         failure_file::FailureFile,
-        long_period::{results::History, run::LongPeriodPlan},
+        long_period::{history::VARIABLES, run::LongPeriodPlan},
         sensitivity::dispersion_file::Dispersions,
         short_period::{machine::Patches, plan::Plan},
     },
@@ -172,16 +172,7 @@ fn print_claims(results: &CaseResults) {
     for remark in short.remarks() {
         println!("{remark}");
     }
-    if let Some(fuel) = results.long.worst_fuel() {
-        println!(
-            "Side-force fluid: at most {:.1} of {:.1} kg, in mode {} ({}, pitch misalignment {:+} x 3 sigma).",
-            fuel.injectant_kg,
-            fuel.carried_kg,
-            fuel.mode,
-            fuel.wind.words(),
-            fuel.pitch_misalignment
-        );
-    }
+    println!("{}.", fuel_words(&results.long));
 }
 
 /// Exit 1 unless every claim holds and every linear run agrees.
@@ -198,10 +189,7 @@ fn verdict(results: &CaseResults) -> Result<(), Failure> {
     if results.short.disagreements().next().is_some() {
         failed.push("agreement with the linearised loop");
     }
-    Err(Failure {
-        code: CHECK_FAILED,
-        text: format!("not shown to hold: {}", failed.join(", ")),
-    })
+    Err(Failure::failed("not shown to hold", &failed))
 }
 
 /// The paper's ten variables of every mode as one trace, columns named by mode and variable.
@@ -210,27 +198,14 @@ fn write_histories(
     plan: &CasePlan,
     directory: &RunDirectory,
 ) -> Result<(), Failure> {
-    type Variable = (&'static str, &'static str, fn(&History) -> &[f64]);
-    const VARIABLES: [Variable; 11] = [
-        ("velocity_m_s", "m/s", |h| &h.speed_mps),
-        ("flight_path_angle_deg", "deg", |h| &h.path_angle_deg),
-        ("altitude_km", "km", |h| &h.altitude_km),
-        ("range_angle_deg", "deg", |h| &h.range_angle_deg),
-        ("alpha_deg", "deg", |h| &h.incidence_deg),
-        ("mach", "", |h| &h.mach),
-        ("dynamic_pressure_kpa", "kPa", |h| &h.q_kpa),
-        ("q_alpha_kpa_deg", "kPa deg", |h| &h.q_alpha_kpadeg),
-        ("theta_deg", "deg", |h| &h.pitch_deg),
-        ("phi_deg", "deg", |h| &h.roll_deg),
-        ("tvc_pitch_force_kn", "kN", |h| &h.tvc_pitch_kn),
-    ];
     let long = &results.long;
     let flights = std::iter::once(("undisturbed", &long.nominal_history))
         .chain(long.modes.iter().map(|m| (m.name.as_str(), &m.history)));
     let mut curves = Curves::new();
     for (flight, history) in flights {
-        for (name, unit, of) in VARIABLES {
-            curves.add(format!("{flight}.{name}"), unit, of(history));
+        for variable in VARIABLES {
+            let name = format!("{flight}.{}", variable.column);
+            curves.add(name, variable.column_unit, (variable.of)(history));
         }
     }
     // The last sample stands at burn-out, which need not be a multiple of the step.

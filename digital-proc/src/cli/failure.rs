@@ -30,6 +30,15 @@ impl Failure {
         }
     }
 
+    /// A claim or check that failed: what befell, and which, if they have names.
+    pub fn failed(what: &str, items: &[&str]) -> Failure {
+        let colon = if items.is_empty() { "" } else { ": " };
+        Failure {
+            code: CHECK_FAILED,
+            text: format!("{what}{colon}{}", items.join(", ")),
+        }
+    }
+
     /// The same failure with a further line.
     #[must_use]
     pub fn and(mut self, line: impl std::fmt::Display) -> Failure {

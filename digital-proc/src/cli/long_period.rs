@@ -2,7 +2,6 @@
 
 use super::{
     Context, Failure, MachineArgs,
-    failure::CHECK_FAILED,
     study_run::{StudyArgs, StudyRun},
 };
 use crate::{
@@ -80,7 +79,10 @@ impl LongPeriod {
         drop(machine);
 
         let claims = judge(&results);
-        let shown: Vec<report::Claim> = claims.iter().map(for_report).collect();
+        let shown: Vec<report::Claim> = claims
+            .iter()
+            .map(|claim| report::Claim::of(claim, Some("#modes".to_owned())))
+            .collect();
         let outcome = Outcome {
             claims: &claims,
             results: &results,
@@ -89,11 +91,7 @@ impl LongPeriod {
             &outcome,
             "Long-period study",
             "Modes of operation flown to burn-out: control dynamics on the analog processor, trajectory on the digital one.",
-            long_period_sections(
-                &results,
-                report::claims_table(&shown),
-                vehicle.data().mass.burn_time_s,
-            ),
+            long_period_sections(&results, report::claims_table(&shown)),
         )?;
         if self.machine.json {
             println!(
@@ -127,33 +125,7 @@ impl LongPeriod {
         if failed.is_empty() {
             Ok(())
         } else {
-            Err(Failure {
-                code: CHECK_FAILED,
-                text: format!("does not hold: {}", failed.join(", ")),
-            })
+            Err(Failure::failed("does not hold", &failed))
         }
-    }
-}
-
-/// A claim in the form of the report's table; one that was not judged stands
-/// there as holding in part, with the reason.
-fn for_report(claim: &Claim) -> report::Claim {
-    let mut note = claim.remark.clone().unwrap_or_default();
-    let verdict = match claim.verdict {
-        Verdict::Holds => report::Verdict::Holds,
-        Verdict::Fails => report::Verdict::Fails,
-        Verdict::NotJudged => {
-            note = "not judged: the flights that would decide it were not asked for".to_owned();
-            report::Verdict::InPart
-        }
-    };
-    report::Claim {
-        id: claim.id.to_owned(),
-        sentence: claim.sentence.to_owned(),
-        criterion: claim.criterion.clone(),
-        measured: claim.measured.clone(),
-        verdict,
-        note,
-        evidence: Some("#modes".to_owned()),
     }
 }

@@ -1,6 +1,6 @@
 //! `digital-proc replay`: a recorded flight once more, compared bit by bit.
 
-use super::{Context, Failure, JoinArgs, failure::CHECK_FAILED, fly::BATCH_ROWS};
+use super::{Context, Failure, JoinArgs, fly::BATCH_ROWS};
 use crate::{
     console::{Console, ConsoleFault},
     file_fault::Source,
@@ -172,10 +172,10 @@ impl Replay {
                 }
                 Ok(())
             }
-            Some(difference) => Err(Failure {
-                code: CHECK_FAILED,
-                text: format!("the replay of `{}` differs: {difference}", directory.name()),
-            }),
+            Some(difference) => {
+                let what = format!("the replay of `{}` differs: {difference}", directory.name());
+                Err(Failure::failed(&what, &[]))
+            }
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::{
     Context, Failure, MachineArgs,
-    failure::CHECK_FAILED,
     study_input::{Curves, StudyArgs, record, select},
 };
 use crate::{
@@ -183,10 +182,8 @@ impl Runs {
         }
         let disagreeing = outcome.disagreements().count();
         if disagreeing > 0 {
-            return Err(Failure {
-                code: CHECK_FAILED,
-                text: format!("{disagreeing} linear runs do not agree with their eigenvalues"),
-            });
+            let what = format!("{disagreeing} linear runs do not agree with their eigenvalues");
+            return Err(Failure::failed(&what, &[]));
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The claims table: a sentence, its criterion, what was measured, and whether it holds.
 
+use crate::study::claim;
 use maud::{Markup, html};
 use serde::Serialize;
 
@@ -9,8 +10,6 @@ use serde::Serialize;
 pub enum Verdict {
     /// The criterion is met.
     Holds,
-    /// It is met in part of what the sentence covers; the note says where not.
-    InPart,
     /// It is not met.
     Fails,
     /// What would decide it was not run.
@@ -23,7 +22,6 @@ impl Verdict {
     pub fn mark(self) -> char {
         match self {
             Verdict::Holds => '✓',
-            Verdict::InPart => '◐',
             Verdict::Fails => '✗',
             Verdict::NotJudged => '·',
         }
@@ -34,7 +32,6 @@ impl Verdict {
     pub fn words(self) -> &'static str {
         match self {
             Verdict::Holds => "holds",
-            Verdict::InPart => "holds in part",
             Verdict::Fails => "does not hold",
             Verdict::NotJudged => "not judged",
         }
@@ -59,6 +56,26 @@ pub struct Claim {
     /// The figure or table that shows it (`#fig-pitch`).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evidence: Option<String>,
+}
+
+impl Claim {
+    /// A study's claim as a report shows it, with the anchor of what shows it.
+    #[must_use]
+    pub fn of(claim: &claim::Claim, evidence: Option<String>) -> Claim {
+        Claim {
+            id: claim.id.to_owned(),
+            sentence: claim.sentence.to_owned(),
+            criterion: claim.criterion.clone(),
+            measured: claim.measured.clone(),
+            verdict: match claim.verdict {
+                claim::Verdict::Holds => Verdict::Holds,
+                claim::Verdict::Fails => Verdict::Fails,
+                claim::Verdict::NotJudged => Verdict::NotJudged,
+            },
+            note: claim.remark.clone().unwrap_or_default(),
+            evidence,
+        }
+    }
 }
 
 /// The table for a page, under a line that counts the verdicts.
@@ -122,9 +139,6 @@ fn count(claims: &[Claim]) -> String {
         of(Verdict::Holds),
         claims.len()
     )];
-    if of(Verdict::InPart) > 0 {
-        parts.push(format!("{} in part", of(Verdict::InPart)));
-    }
     if of(Verdict::Fails) > 0 {
         parts.push(format!("{} not", of(Verdict::Fails)));
     }
@@ -137,7 +151,6 @@ fn count(claims: &[Claim]) -> String {
 fn class(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Holds => "holds",
-        Verdict::InPart => "in-part",
         Verdict::Fails => "fails",
         Verdict::NotJudged => "not-judged",
     }
@@ -146,6 +159,28 @@ fn class(verdict: Verdict) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Flights that were not flown must not read as a success of any kind.
+    #[test]
+    fn a_claim_without_its_runs_is_not_judged() {
+        let claim = Claim::of(
+            &claim::Claim {
+                id: "L2b",
+                sentence: "the same over the envelope",
+                criterion: "exactly one mode".to_owned(),
+                measured: "none".to_owned(),
+                verdict: claim::Verdict::NotJudged,
+                remark: None,
+            },
+            None,
+        );
+        assert_eq!(claim.verdict, Verdict::NotJudged);
+        let text = claims_text(&[claim]);
+        assert!(
+            text.contains("· not judged") && text.contains("0 of 1 claims hold, 1 not judged."),
+            "{text}"
+        );
+    }
 
     #[test]
     fn a_failed_claim_is_said_in_words_and_counted() {

@@ -3,11 +3,15 @@
 use super::{
     Cell, Heading, Numbering, Section, Table,
     gain_design::schedule_charts,
-    plot::{Axis, Limit, LineChart, Series, Size, line_chart},
+    plot::{Axis, LineChart, Series, Size, line_chart},
     side_by_side,
 };
-use crate::study::long_period::results::{
-    FlightWind, Flown, History, LongPeriodResults, ModeResult,
+use crate::{
+    study::long_period::{
+        history::{VARIABLES, Variable},
+        results::{FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult},
+    },
+    vehicle::ScheduleData,
 };
 use maud::{Markup, html};
 
@@ -70,11 +74,7 @@ pub fn fuel_table(results: &LongPeriodResults) -> Table {
     by_flight(results, "kg", |f| f.injectant_kg)
 }
 
-fn by_flight(
-    results: &LongPeriodResults,
-    unit: &str,
-    of: fn(&crate::study::long_period::results::FlightFigures) -> f64,
-) -> Table {
+fn by_flight(results: &LongPeriodResults, unit: &str, of: fn(&FlightFigures) -> f64) -> Table {
     let mut headings = vec![Heading::new("Mode", "")];
     if let Some(first) = results.modes.first() {
         headings.extend(first.flights().map(|f| {
@@ -124,130 +124,131 @@ pub fn fuel_words(results: &LongPeriodResults) -> String {
     )
 }
 
-/// One of the monitored variables: anchor, label, unit, and where it lies.
-type Variable = (
-    &'static str,
-    &'static str,
-    &'static str,
-    fn(&History) -> &[f64],
-);
+/// A table a question: burn-out, loads and fuel, with the fuel in words below.
+pub(super) fn mode_tables(numbering: &mut Numbering, results: &LongPeriodResults) -> Markup {
+    html! {
+        (numbering.table("modes",
+            "Departure of each mode's burn-out from that of the undisturbed normal flight, its load and its fluid; design case.",
+            mode_table(results).markup()))
+        (numbering.table("loads",
+            "Largest Qα over wind and pitch misalignment, the latter in fractions of 3σ.",
+            load_table(results).markup()))
+        (numbering.table("fuel",
+            "Side-force fluid over wind and pitch misalignment, the latter in fractions of 3σ.",
+            fuel_table(results).markup()))
+        p { (fuel_words(results)) "." }
+    }
+}
 
-/// The paper's ten variables; pitch and roll are the two of its (ix).
-const VARIABLES: [Variable; 11] = [
-    ("velocity", "Inertial velocity", "m/s", |h| &h.speed_mps),
-    ("path-angle", "Inertial flight-path angle", "°", |h| {
-        &h.path_angle_deg
-    }),
-    ("altitude", "Altitude", "km", |h| &h.altitude_km),
-    ("range-angle", "Range angle", "°", |h| &h.range_angle_deg),
-    ("alpha", "Pitch angle of attack", "°", |h| &h.incidence_deg),
-    ("mach", "Mach number", "", |h| &h.mach),
-    ("q", "Dynamic pressure", "kPa", |h| &h.q_kpa),
-    ("q-alpha", "Load indicator Qα", "kPa·°", |h| {
-        &h.q_alpha_kpadeg
-    }),
-    ("pitch", "Pitch angle", "°", |h| &h.pitch_deg),
-    ("roll", "Roll angle", "°", |h| &h.roll_deg),
-    ("tvc", "TVC force, pitch loop", "kN", |h| &h.tvc_pitch_kn),
-];
+/// The variable that has a limit, and a figure of full size.
+const LOAD: &str = "q-alpha";
 
-/// The ten variables against time, a curve a mode (after the paper's figure 6).
-/// Of more modes than a chart can carry, the single variants go first.
-#[must_use]
-pub fn variable_charts(results: &LongPeriodResults) -> Vec<(&'static str, &'static str, Markup)> {
-    let variants: Vec<&ModeResult> = results
+/// Figures of the ten variables (after the paper's figure 6): the load, and the others.
+pub(super) fn variable_figures(
+    numbering: &mut Numbering,
+    results: &LongPeriodResults,
+) -> (Markup, Markup) {
+    let shown = drawn_modes(results);
+    let (load, others): (Vec<_>, Vec<_>) = VARIABLES.iter().partition(|v| v.anchor == LOAD);
+    let load = load.iter().map(|variable| {
+        let limit = results.accept.q_alpha_padeg / 1e3;
+        let chart = variable_chart(variable, &shown)
+            .size(Size::FULL)
+            .limit(limit, "design limit")
+            .limit(-limit, "design limit");
+        numbering.figure(
+            variable.anchor,
+            "Load indicator Qα of the modes in the design case against its design limit, judged from the take-over of the fin tips on.",
+            line_chart(&chart),
+        )
+    });
+    let load = html! { @for figure in load { (figure) } };
+    let others: Vec<Markup> = others
+        .iter()
+        .map(|variable| {
+            let chart = variable_chart(variable, &shown).size(Size::HALF);
+            let caption = format!(
+                "{} against time, all modes in the design case (after the paper's figure 6).",
+                variable.label
+            );
+            numbering.figure(variable.anchor, &caption, line_chart(&chart))
+        })
+        .collect();
+    (load, side_by_side(&others))
+}
+
+/// The modes that were flown. Of more than a chart can carry, the single variants go first.
+fn drawn_modes(results: &LongPeriodResults) -> Vec<&ModeResult> {
+    let mut shown: Vec<&ModeResult> = results
         .modes
         .iter()
         .filter(|m| !m.history.time_s.is_empty())
         .collect();
-    let mut shown = variants.clone();
     if shown.len() > MOST_CURVES {
-        let is_variant = |m: &&ModeResult| m.text.contains("alone");
-        shown.retain(|m| !is_variant(m));
+        shown.retain(|m| !m.text.contains("alone"));
         shown.truncate(MOST_CURVES);
     }
-    VARIABLES
-        .iter()
-        .map(|(id, label, unit, of)| {
-            let series = shown
-                .iter()
-                .map(|m| Series::line(m.name.as_str(), &m.history.time_s, of(&m.history)))
-                .collect();
-            let limit = results.accept.q_alpha_padeg / 1e3;
-            let limits = if *id == "q-alpha" {
-                [limit, -limit]
-                    .map(|value| Limit {
-                        value,
-                        name: "design limit".to_owned(),
-                    })
-                    .to_vec()
-            } else {
-                Vec::new()
-            };
-            let chart = line_chart(&LineChart {
-                limits,
-                size: if *id == "q-alpha" {
-                    Size::FULL
-                } else {
-                    Size::HALF
-                },
-                ..LineChart::new(
-                    *label,
-                    Axis::new("Flight time", "s"),
-                    Axis::new(*label, *unit),
-                    series,
-                )
-            });
-            (*id, *label, chart)
-        })
-        .collect()
+    shown
 }
 
-/// The sections of the study's page. `claims` is its table of claims.
-#[must_use]
-pub fn long_period_sections(
-    results: &LongPeriodResults,
-    claims: Markup,
-    end_s: f64,
-) -> Vec<Section> {
-    let mut numbering = Numbering::new();
-    let caption = |label: &str| {
-        format!("{label} against time, all modes in the design case (after the paper's figure 6).")
-    };
-    let (loads, others): (Vec<_>, Vec<_>) = variable_charts(results)
-        .into_iter()
-        .partition(|(id, _, _)| *id == "q-alpha");
-    let mut figure =
-        |(id, label, chart): (&str, &str, Markup)| numbering.figure(id, &caption(label), chart);
-    let loads: Vec<Markup> = loads.into_iter().map(&mut figure).collect();
-    let charts: Vec<Markup> = others.into_iter().map(&mut figure).collect();
+/// A variable against time, a curve a mode.
+fn variable_chart(variable: &Variable, shown: &[&ModeResult]) -> LineChart {
+    let series = shown
+        .iter()
+        .map(|m| {
+            Series::line(
+                m.name.as_str(),
+                &m.history.time_s,
+                (variable.of)(&m.history),
+            )
+        })
+        .collect();
+    LineChart::new(
+        variable.label,
+        Axis::new("Flight time", "s"),
+        Axis::new(variable.label, variable.unit),
+        series,
+    )
+}
+
+/// The paper's figures 7 and 8: the schedule as designed, and with fewer switchings.
+pub(super) fn schedule_figures(numbering: &mut Numbering, results: &LongPeriodResults) -> Markup {
+    let end_s = results
+        .nominal_history
+        .time_s
+        .last()
+        .copied()
+        .unwrap_or(0.0);
+    let switchings = |s: &ScheduleData| s.switch_time_s.len().saturating_sub(1);
     let designed = schedule_charts(&[("designed", &results.designed)], end_s);
     let reduced = schedule_charts(
         &[
-            ("fewer switchings", &results.reduced),
+            ("reduced", &results.reduced),
             ("designed", &results.designed),
         ],
         end_s,
     );
+    html! {
+        (numbering.figure("figure-7",
+            &format!("The designed gain schedules, {} switchings (after the paper's figure 7).", switchings(&results.designed)),
+            side_by_side(&designed)))
+        (numbering.figure("figure-8",
+            &format!("The gain schedules reduced by long-period trials to {} switchings, beside the designed ones (after the paper's figure 8).", switchings(&results.reduced)),
+            side_by_side(&reduced)))
+    }
+}
+
+/// The sections of the study's page. `claims` is its table of claims.
+#[must_use]
+pub fn long_period_sections(results: &LongPeriodResults, claims: Markup) -> Vec<Section> {
+    let mut numbering = Numbering::new();
+    let modes = mode_tables(&mut numbering, results);
+    let (load, others) = variable_figures(&mut numbering, results);
     vec![
         Section::new("Claims", claims),
-        Section::new(
-            "Modes",
-            html! {
-                (numbering.table("modes", "Burn-out departure from the undisturbed flight, load and fuel, design case.", mode_table(results).markup()))
-                (numbering.table("loads", "Largest Qα over wind and pitch misalignment, the latter in fractions of 3σ.", load_table(results).markup()))
-                (numbering.table("fuel", "Side-force fluid over wind and pitch misalignment, the latter in fractions of 3σ.", fuel_table(results).markup()))
-                p { (fuel_words(results)) "." }
-            },
-        ),
-        Section::new("Load profiles", html! { @for load in &loads { (load) } }),
-        Section::new("Monitored variables", side_by_side(&charts)),
-        Section::new(
-            "Gain schedules",
-            html! {
-                (numbering.figure("designed-gains", "Designed gain schedules of the control loops (after the paper's figure 7).", side_by_side(&designed)))
-                (numbering.figure("reduced-gains", "Gain schedules with fewer switchings (after the paper's figure 8).", side_by_side(&reduced)))
-            },
-        ),
+        Section::new("Modes", modes),
+        Section::new("Load profiles", load),
+        Section::new("Monitored variables", others),
+        Section::new("Gain schedules", schedule_figures(&mut numbering, results)),
     ]
 }

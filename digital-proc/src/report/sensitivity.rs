@@ -8,7 +8,7 @@ use crate::study::sensitivity::{
     dispersion_file::Dispersions,
     run::{Measure, PointSensitivity},
 };
-use maud::html;
+use maud::{Markup, html};
 
 /// Dispersions ranked by the span of a measure at the point where it is widest.
 #[must_use]
@@ -106,6 +106,37 @@ pub fn tornado_of(point: &PointSensitivity, measure: Measure) -> Tornado {
     }
 }
 
+/// A measure's ranking on a page.
+pub(super) fn ranking(
+    numbering: &mut Numbering,
+    points: &[PointSensitivity],
+    measure: Measure,
+) -> Markup {
+    let (label, _) = measure.label();
+    numbering.table(
+        &format!("rank-{}", super::anchor(label)),
+        &format!("{label}: dispersions ranked by span, each at its widest point."),
+        ranking_table(points, measure).markup(),
+    )
+}
+
+/// The corners on a page.
+pub(super) fn corners(
+    numbering: &mut Numbering,
+    points: &[PointSensitivity],
+    dispersions: &Dispersions,
+) -> Markup {
+    let order: Vec<&str> = dispersions.all.iter().map(|d| d.title.as_str()).collect();
+    numbering.table(
+        "corners",
+        &format!(
+            "All corners by eigenvalues; the least damped of each point on the machine. Settings in the order {}.",
+            order.join(", ")
+        ),
+        corner_table(points).markup(),
+    )
+}
+
 /// The sections of the page: rankings, tornado plots, corners.
 #[must_use]
 pub fn sensitivity_sections(
@@ -113,14 +144,7 @@ pub fn sensitivity_sections(
     dispersions: &Dispersions,
 ) -> Vec<Section> {
     let mut numbering = Numbering::new();
-    let rankings = Measure::ALL.map(|measure| {
-        let (label, _) = measure.label();
-        numbering.table(
-            &format!("rank-{}", super::anchor(label)),
-            &format!("{label}: dispersions ranked by span, each at its widest point."),
-            ranking_table(points, measure).markup(),
-        )
-    });
+    let rankings = Measure::ALL.map(|measure| ranking(&mut numbering, points, measure));
     let mut tornados = Vec::new();
     for point in points {
         for measure in [Measure::Overshoot, Measure::BendingLeft] {
@@ -140,15 +164,7 @@ pub fn sensitivity_sections(
             ));
         }
     }
-    let order: Vec<&str> = dispersions.all.iter().map(|d| d.title.as_str()).collect();
-    let corners = numbering.table(
-        "corners",
-        &format!(
-            "All corners by eigenvalues; the least damped of each point on the machine. Settings in the order {}.",
-            order.join(", ")
-        ),
-        corner_table(points).markup(),
-    );
+    let corners = corners(&mut numbering, points, dispersions);
     vec![
         Section::new("Ranking", html! { @for r in &rankings { (r) } }),
         Section::new("One at a time", html! { @for t in &tornados { (t) } }),

@@ -6,9 +6,9 @@
 
 /// The style sheet's text.
 pub(super) const STYLE: &str = r#"
-:root{color-scheme:light dark;--bg:#fff;--ink:#1b1f24;--soft:#57606a;--rule:#d0d7de;--grid:#e3e7eb;--panel:#f6f8fa;--link:#0757ae;--good:#116329;--part:#7d4e00;--bad:#b3121d;--heat:#e2711d;
+:root{color-scheme:light dark;--bg:#fff;--ink:#1b1f24;--soft:#57606a;--rule:#d0d7de;--grid:#e3e7eb;--panel:#f6f8fa;--link:#0757ae;--good:#116329;--bad:#b3121d;--heat:#e2711d;
 --s0:#0067a5;--s1:#c44601;--s2:#00785a;--s3:#a2367a;--s4:#826200;--s5:#4b3fa7;--s6:#4f565e;--s7:#0a7f8c}
-@media screen and (prefers-color-scheme:dark){:root{--bg:#14181d;--ink:#e4e8ec;--soft:#9aa5b1;--rule:#3a424c;--grid:#2a313a;--panel:#1c2229;--link:#79b8ff;--good:#5bc77c;--part:#e6b34a;--bad:#ff8078;--heat:#d9641a;
+@media screen and (prefers-color-scheme:dark){:root{--bg:#14181d;--ink:#e4e8ec;--soft:#9aa5b1;--rule:#3a424c;--grid:#2a313a;--panel:#1c2229;--link:#79b8ff;--good:#5bc77c;--bad:#ff8078;--heat:#d9641a;
 --s0:#62b5f2;--s1:#ff9a5a;--s2:#41d0a3;--s3:#f09aca;--s4:#e3c352;--s5:#aca5ff;--s6:#b6bec7;--s7:#6cdde6}}
 *{box-sizing:border-box}
 html{background:var(--bg);color:var(--ink);font:16px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Liberation Sans",Arial,sans-serif;-webkit-text-size-adjust:100%}
@@ -41,7 +41,7 @@ tr{break-inside:avoid}
 td.n,th.n{text-align:right;white-space:nowrap}
 .claims td:first-child{white-space:nowrap;font-weight:600}
 .claims .v{white-space:nowrap;font-weight:600}
-.holds{color:var(--good)}.in-part{color:var(--part)}.fails{color:var(--bad)}
+.holds{color:var(--good)}.fails{color:var(--bad)}
 .claims small{display:block;color:var(--soft);max-width:30rem}
 blockquote{margin:0}
 .heat th,.heat td{padding:.3rem .5rem;text-align:right;border:1px solid var(--bg)}

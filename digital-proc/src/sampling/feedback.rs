@@ -84,25 +84,6 @@ pub struct CircleRow {
 }
 
 impl CircleSetting {
-    /// The grid of the laboratory: 10…400 samples a cycle, latency 0…1, every hold.
-    #[must_use]
-    pub fn grid() -> Vec<CircleSetting> {
-        let mut all = Vec::new();
-        for hold in Hold::ALL {
-            for latency_frames in [0.0, 0.25, 0.5, 1.0] {
-                for samples_per_cycle in [10, 20, 40, 100, 200, 400] {
-                    all.push(CircleSetting {
-                        samples_per_cycle,
-                        frame_s: 0.01,
-                        latency_frames,
-                        hold,
-                    });
-                }
-            }
-        }
-        all
-    }
-
     /// ω, rad/s.
     #[must_use]
     pub fn omega_rad_s(&self) -> f64 {
@@ -240,26 +221,6 @@ pub struct RootRow {
 }
 
 impl RootSetting {
-    /// The worked example (ω₀ = 3, ζ = 0.3) over frames, latencies and compensations.
-    #[must_use]
-    pub fn grid() -> Vec<RootSetting> {
-        let mut all = Vec::new();
-        for compensation in Compensation::ALL {
-            for latency_frames in [0.0, 0.5, 1.0] {
-                for frame_s in [0.02, 0.05, 0.1, 0.2] {
-                    all.push(RootSetting {
-                        omega0_rad_s: 3.0,
-                        zeta: 0.3,
-                        frame_s,
-                        latency_frames,
-                        compensation,
-                    });
-                }
-            }
-        }
-        all
-    }
-
     fn hold(&self) -> Hold {
         match self.compensation {
             Compensation::ExtrapolatingDac => Hold::Extrapolating,
@@ -381,9 +342,46 @@ mod tests {
     use super::*;
     use crate::sampling::plain_machine::PlainMachine;
 
+    /// The grid of the laboratory: 10…400 samples a cycle, latency 0…1, every hold.
+    fn circle_grid() -> Vec<CircleSetting> {
+        let mut all = Vec::new();
+        for hold in Hold::ALL {
+            for latency_frames in [0.0, 0.25, 0.5, 1.0] {
+                for samples_per_cycle in [10, 20, 40, 100, 200, 400] {
+                    all.push(CircleSetting {
+                        samples_per_cycle,
+                        frame_s: 0.01,
+                        latency_frames,
+                        hold,
+                    });
+                }
+            }
+        }
+        all
+    }
+
+    /// The worked example (ω₀ = 3, ζ = 0.3) over frames, latencies and compensations.
+    fn root_grid() -> Vec<RootSetting> {
+        let mut all = Vec::new();
+        for compensation in Compensation::ALL {
+            for latency_frames in [0.0, 0.5, 1.0] {
+                for frame_s in [0.02, 0.05, 0.1, 0.2] {
+                    all.push(RootSetting {
+                        omega0_rad_s: 3.0,
+                        zeta: 0.3,
+                        frame_s,
+                        latency_frames,
+                        compensation,
+                    });
+                }
+            }
+        }
+        all
+    }
+
     #[test]
     fn circle_growth_of_a_run_is_that_of_the_exact_map() {
-        for setting in CircleSetting::grid() {
+        for setting in circle_grid() {
             let w = setting.omega_rad_s();
             let mut machine = PlainMachine::new(
                 &[&[0.0, w], &[0.0, 0.0]],
@@ -402,7 +400,7 @@ mod tests {
 
     #[test]
     fn root_of_a_run_is_the_sampled_data_eigenvalue() {
-        for setting in RootSetting::grid() {
+        for setting in root_grid() {
             let (w, z) = (setting.omega0_rad_s, setting.zeta);
             let mut machine = PlainMachine::new(
                 &[&[0.0, 1.0], &[0.0, -2.0 * z * w]],

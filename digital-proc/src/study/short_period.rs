@@ -6,10 +6,11 @@
 //! ([`response`]) are measured ([`metrics`]) and judged against the paper's
 //! sentences ([`claims`]). Beside them stand the eigenvalues of the linearised
 //! loops ([`linear`]) and a second formulation in plain Rust ([`reference`]).
-//! Only [`machine`] knows of the hybrid machine that runs the patches; nothing does
-//! file I/O but the readers of a study.
+//! Only [`machine`] and its [`bench`] know of the hybrid machine that runs the patches;
+//! nothing does file I/O but the readers of a study.
 
 pub mod agreement;
+pub mod bench;
 pub mod claims;
 pub mod coefficients;
 pub mod linear;

@@ -9,7 +9,7 @@ use crate::{
     cli::Failure,
     report::{
         Cell, Heading, Table,
-        plot::{Axis, HeatCell, HeatMap, LineChart, Pair, Series, measured_vs_theory},
+        plot::{Axis, Compared, HeatCell, HeatMap, LineChart, Series, measured_vs_theory},
     },
     sampling::{
         alpha::AlphaSetting,
@@ -91,9 +91,10 @@ enum AngleName {
 }
 
 impl Alpha {
-    fn redundant(&self, gain: f64) -> Scheme {
+    /// With `fast` frames in one slow period and a correction gain.
+    fn redundant(&self, fast: u32, gain: f64) -> Scheme {
         Scheme::Redundant {
-            slow_frames: self.fast,
+            slow_frames: fast,
             gain,
             delivery: match self.delivery {
                 DeliveryName::Prompt => Delivery::Prompt,
@@ -126,7 +127,7 @@ impl Alpha {
         all.extend(
             self.gain
                 .iter()
-                .map(|k| (format!("redundant, K = {k}"), self.redundant(*k))),
+                .map(|k| (format!("redundant, K = {k}"), self.redundant(self.fast, *k))),
         );
         all
     }
@@ -180,12 +181,7 @@ impl Measure for Alpha {
                     row.zeta_continuous.into(),
                     row.omega_measured_rad_s.into(),
                     row.omega_exact_rad_s.into(),
-                    (if row.stable_measured {
-                        "stable"
-                    } else {
-                        "unstable"
-                    })
-                    .into(),
+                    run_cell(row.stable_measured),
                     row.spectral_radius.into(),
                 ]);
                 if Some(*omega) == last_omega {
@@ -211,10 +207,18 @@ impl Measure for Alpha {
             "The same loop from the same displacement; what differs is how the angle reaches the tables.",
             histories_chart(&histories, last_omega),
         );
-        self.stability(bench, &mut outcome)?;
+        if let Some(omega) = last_omega {
+            self.damping(bench, &mut outcome, omega)?;
+            self.stable_region(bench, &mut outcome, omega)?;
+        }
         self.drifts(bench, &mut outcome)?;
         Ok(outcome)
     }
+}
+
+/// How a run came out, in a table.
+fn run_cell(stable: bool) -> Cell {
+    if stable { "stable" } else { "unstable" }.into()
 }
 
 /// α over its start against time; a record that grows is drawn up to four times its start.
@@ -246,45 +250,38 @@ fn histories_chart(
 }
 
 impl Alpha {
-    /// Damping over slow periods, for each scheme, and the map over slow and fast periods.
-    fn stability(&self, bench: &mut Bench<'_, '_>, outcome: &mut Outcome) -> Result<(), Failure> {
-        let Some(omega) = self.omega.last().copied() else {
-            return Ok(());
-        };
-        let slows = [0.02, 0.05, 0.1, 0.15, 0.2];
-        let schemes = self.schemes();
+    /// Damping over slow periods, for each scheme.
+    fn damping(
+        &self,
+        bench: &mut Bench<'_, '_>,
+        outcome: &mut Outcome,
+        omega: f64,
+    ) -> Result<(), Failure> {
         let mut drawn = Vec::new();
-        for (_, scheme) in &schemes {
-            let mut measured = (Vec::new(), Vec::new());
-            for slow in slows {
-                let (row, _) = bench.alpha(&self.setting(omega, *scheme, slow)?)?;
-                measured.0.push(slow * 1e3);
-                measured.1.push(row.zeta_measured);
+        for (name, scheme) in self.schemes() {
+            let mut compared = Compared {
+                theory: (2..=curve::POINTS)
+                    .filter_map(|i| {
+                        let slow = 0.2 * f64::from(i) / f64::from(curve::POINTS);
+                        let setting = self.setting(omega, scheme, slow).ok()?;
+                        let root = setting.loop_.exact_root().ok()?;
+                        Some((slow * 1e3, damping_ratio(root)))
+                    })
+                    .unzip(),
+                ..Compared::new(name)
+            };
+            for slow in [0.02, 0.05, 0.1, 0.15, 0.2] {
+                let (row, _) = bench.alpha(&self.setting(omega, scheme, slow)?)?;
+                compared.measured.0.push(slow * 1e3);
+                compared.measured.1.push(row.zeta_measured);
             }
-            let theory: (Vec<f64>, Vec<f64>) = (2..=curve::POINTS)
-                .filter_map(|i| {
-                    let slow = 0.2 * f64::from(i) / f64::from(curve::POINTS);
-                    let setting = self.setting(omega, *scheme, slow).ok()?;
-                    let root = setting.loop_.exact_root().ok()?;
-                    Some((slow * 1e3, damping_ratio(root)))
-                })
-                .unzip();
-            drawn.push((theory, measured));
+            drawn.push(compared);
         }
-        let pairs: Vec<Pair<'_>> = schemes
-            .iter()
-            .zip(&drawn)
-            .map(|((name, _), (theory, measured))| Pair {
-                name,
-                theory: (&theory.0, &theory.1),
-                measured: (&measured.0, &measured.1),
-            })
-            .collect();
         let chart = measured_vs_theory(
             &format!("Damping of the loop of {omega} rad/s"),
             Axis::new("slow period", "ms"),
             Axis::new("damping ratio ζ", ""),
-            &pairs,
+            &drawn,
         )
         .limit(0.0, "stability");
         outcome.chart(
@@ -292,8 +289,16 @@ impl Alpha {
             "Lines: monodromy matrix. Markers: runs on the machine.",
             chart,
         );
+        Ok(())
+    }
 
-        let fasts = [1_u32, 2, 5, 10, 20];
+    /// Where the loop is stable: the map over slow and fast periods.
+    fn stable_region(
+        &self,
+        bench: &mut Bench<'_, '_>,
+        outcome: &mut Outcome,
+        omega: f64,
+    ) -> Result<(), Failure> {
         let gain = if self.gain.contains(&0.2) {
             0.2
         } else {
@@ -307,42 +312,24 @@ impl Alpha {
             Heading::new("run", ""),
             Heading::new("greatest |z|", "").digits(5),
         ]);
+        let mut schemes = vec![("conventional".to_owned(), Scheme::Conventional)];
+        schemes.extend([1, 2, 5, 10, 20].map(|fast| {
+            let name = format!("redundant, {fast} fast frames");
+            (name, self.redundant(fast, gain))
+        }));
         let mut matrix = Vec::new();
-        let mut heads = vec!["conventional".to_owned()];
-        heads.extend(fasts.iter().map(|n| format!("redundant, {n} fast frames")));
         let mut right = true;
-        for (column, head) in heads.iter().enumerate() {
+        for (name, scheme) in &schemes {
             let mut cells = Vec::new();
             for slow in slow_axis {
-                let scheme = match column {
-                    0 => Scheme::Conventional,
-                    i => match self.redundant(gain) {
-                        Scheme::Redundant {
-                            delivery,
-                            correction,
-                            ..
-                        } => Scheme::Redundant {
-                            slow_frames: fasts[i - 1],
-                            gain,
-                            delivery,
-                            correction,
-                        },
-                        other => other,
-                    },
-                };
-                let setting = self.setting(omega, scheme, slow)?;
+                let setting = self.setting(omega, *scheme, slow)?;
                 let (row, _) = bench.alpha(&setting)?;
                 right &= row.stable_measured == (row.spectral_radius < 1.0);
                 table.row([
-                    head.as_str().into(),
+                    name.as_str().into(),
                     slow.into(),
                     setting.loop_.frame_s.into(),
-                    (if row.stable_measured {
-                        "stable"
-                    } else {
-                        "unstable"
-                    })
-                    .into(),
+                    run_cell(row.stable_measured),
                     row.spectral_radius.into(),
                 ]);
                 cells.push(HeatCell {
@@ -368,7 +355,7 @@ impl Alpha {
             HeatMap {
                 quantity: "damping ratio ζ".to_owned(),
                 corner: "scheme against slow period".to_owned(),
-                rows: heads,
+                rows: schemes.into_iter().map(|(name, _)| name).collect(),
                 columns: slow_axis
                     .iter()
                     .map(|s| format!("{} ms", s * 1e3))
@@ -392,7 +379,8 @@ impl Alpha {
         ]);
         for gain in self.gain.iter().filter(|k| **k > 0.0) {
             // A loop of 2 rad/s, which every K of interest leaves stable.
-            let mut setting = self.setting(2.0, self.redundant(*gain), self.slow.secs())?;
+            let mut setting =
+                self.setting(2.0, self.redundant(self.fast, *gain), self.slow.secs())?;
             setting.drift_rad_s = drift;
             setting.stop_s = 120.0;
             let (row, _) = bench.alpha(&setting)?;

@@ -6,7 +6,7 @@ use crate::{
     patch_source::bundle_from_path,
     report::{
         Cell, Heading, Table,
-        plot::{Axis, Pair, measured_vs_theory},
+        plot::{Axis, Compared, measured_vs_theory},
     },
     sampling::{
         bench::Bench,
@@ -302,26 +302,26 @@ impl Budget {
                 "gain",
                 "Gain of the channel",
                 Axis::new("gain", ""),
-                &line_gain,
-                &gain,
+                line_gain,
+                gain,
             ),
             (
                 "phase",
                 "Phase of the channel",
                 Axis::new("phase", "°"),
-                &line_phase,
-                &phase,
+                line_phase,
+                phase,
             ),
         ] {
-            let pair = Pair {
-                name: "",
-                theory: (&line, theory),
-                measured: (&hz, measured),
+            let compared = Compared {
+                name: String::new(),
+                theory: (line.clone(), theory),
+                measured: (hz.clone(), measured),
             };
             outcome.chart(
                 id,
                 "Whole chain from a hundredth to near half of the sampling rate.",
-                measured_vs_theory(title, axis(), y, &[pair]),
+                measured_vs_theory(title, axis(), y, &[compared]),
             );
         }
         Ok(())

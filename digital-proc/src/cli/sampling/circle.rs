@@ -6,7 +6,7 @@ use crate::{
     progress::Progress,
     report::{
         Heading, Table,
-        plot::{Axis, LineChart, Pair, Series, measured_vs_theory},
+        plot::{Axis, Compared, LineChart, Series, measured_vs_theory},
     },
     sampling::{
         bench::Bench,
@@ -135,29 +135,18 @@ impl Measure for Circle {
             .into_iter()
             .zip(curve::ends(&self.latency))
         {
-            let lines: Vec<_> = self.hold.iter().map(|h| self.curve(*h, latency)).collect();
-            let points: Vec<(Vec<f64>, Vec<f64>)> = self
+            let compared: Vec<Compared> = self
                 .hold
                 .iter()
-                .map(|h| {
-                    of(*h, latency)
+                .map(|hold| Compared {
+                    name: hold.name().to_owned(),
+                    theory: self.curve(*hold, latency),
+                    measured: of(*hold, latency)
                         .map(|r| {
-                            (
-                                f64::from(r.samples_per_cycle),
-                                (r.growth_measured - 1.0).abs(),
-                            )
+                            let growth = (r.growth_measured - 1.0).abs();
+                            (f64::from(r.samples_per_cycle), growth)
                         })
-                        .unzip()
-                })
-                .collect();
-            let pairs: Vec<Pair<'_>> = self
-                .hold
-                .iter()
-                .zip(lines.iter().zip(&points))
-                .map(|(hold, (line, point))| Pair {
-                    name: hold.name(),
-                    theory: (&line.0, &line.1),
-                    measured: (&point.0, &point.1),
+                        .unzip(),
                 })
                 .collect();
             let title = format!("Growth per cycle at a latency of {latency} frames");
@@ -165,7 +154,7 @@ impl Measure for Circle {
                 &title,
                 Axis::new("samples per cycle", "").log(),
                 Axis::new("|growth per cycle − 1|", "").log(),
-                &pairs,
+                &compared,
             );
             outcome.chart(
                 id,

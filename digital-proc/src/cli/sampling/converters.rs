@@ -5,7 +5,7 @@ use crate::{
     cli::Failure,
     report::{
         Heading, Table,
-        plot::{Axis, Pair, measured_vs_theory},
+        plot::{Axis, Compared, measured_vs_theory},
     },
     run_dir::Seed,
     sampling::{
@@ -54,7 +54,7 @@ impl Measure for Noise {
             Heading::new("variance theory", "").digits(5),
             Heading::new("measured/theory - 1", "%").digits(2),
         ]);
-        let mut drawn: Vec<(&'static str, [Vec<f64>; 3])> = Vec::new();
+        let mut drawn: Vec<Compared> = Vec::new();
         let mut worst = 0.0_f64;
         for bits in &self.bits {
             let setting = QuantisationSetting {
@@ -71,15 +71,12 @@ impl Measure for Noise {
                     (100.0 * row.relative_error).into(),
                 ]);
                 worst = worst.max(row.relative_error.abs());
-                let known = drawn.iter().position(|(q, _)| *q == row.quantity);
+                let known = drawn.iter().position(|c| c.name == row.quantity);
                 let i = known.unwrap_or_else(|| {
-                    drawn.push((row.quantity, Default::default()));
+                    drawn.push(Compared::new(row.quantity));
                     drawn.len() - 1
                 });
-                let [x, theory, measured] = &mut drawn[i].1;
-                x.push(f64::from(*bits));
-                theory.push(row.theory);
-                measured.push(row.measured);
+                drawn[i].push(f64::from(*bits), row.theory, row.measured);
             }
         }
         if self.frames >= 100_000 {
@@ -92,14 +89,6 @@ impl Measure for Noise {
             );
         }
         outcome.table("noise", "Variances in squares of the problem unit.", table);
-        let pairs: Vec<Pair<'_>> = drawn
-            .iter()
-            .map(|(name, [x, theory, measured])| Pair {
-                name,
-                theory: (x, theory),
-                measured: (x, measured),
-            })
-            .collect();
         outcome.chart(
             "variance",
             "Each bit more divides the variance by four.",
@@ -107,7 +96,7 @@ impl Measure for Noise {
                 "Variance of quantisation noise",
                 Axis::new("bits", ""),
                 Axis::new("variance", "squared problem units").log(),
-                &pairs,
+                &drawn,
             ),
         );
         Ok(outcome)
@@ -151,7 +140,7 @@ impl Measure for Skew {
             Heading::new("omega delta", "deg").digits(5),
             Heading::new("worst difference from omega delta sin^2", "deg").digits(2),
         ]);
-        let mut drawn: [Vec<f64>; 5] = Default::default();
+        let [mut mean, mut greatest] = ["mean", "greatest"].map(Compared::new);
         let mut agree = true;
         for delta in &self.delta {
             let setting = SkewSetting::revolution(self.frames, self.frame.secs(), delta.secs());
@@ -166,14 +155,15 @@ impl Measure for Skew {
             ]);
             // The formula is of first order: the next term is the square.
             agree &= row.worst_difference_rad < (setting.omega_rad_s * row.skew_s).powi(2);
-            for (list, value) in drawn.iter_mut().zip([
-                1e6 * row.skew_s,
-                row.mean_theory_rad.to_degrees(),
-                row.mean_measured_rad.to_degrees(),
-                row.max_theory_rad.to_degrees(),
-                row.max_measured_rad.to_degrees(),
-            ]) {
-                list.push(value);
+            for (compared, theory_rad, measured_rad) in [
+                (&mut mean, row.mean_theory_rad, row.mean_measured_rad),
+                (&mut greatest, row.max_theory_rad, row.max_measured_rad),
+            ] {
+                compared.push(
+                    1e6 * row.skew_s,
+                    theory_rad.to_degrees(),
+                    measured_rad.to_degrees(),
+                );
             }
         }
         outcome.check(
@@ -181,7 +171,6 @@ impl Measure for Skew {
             "the error is ωδ sin²θ at every angle, up to its square",
         );
         outcome.table("skew", "Error of the angle over four revolutions.", table);
-        let [x, mean_theory, mean, max_theory, max] = &drawn;
         outcome.chart(
             "error",
             "The error grows in proportion to the skew.",
@@ -189,18 +178,7 @@ impl Measure for Skew {
                 "Angle error by multiplexer skew",
                 Axis::new("skew δ", "µs"),
                 Axis::new("error of the angle", "°"),
-                &[
-                    Pair {
-                        name: "mean",
-                        theory: (x, mean_theory),
-                        measured: (x, mean),
-                    },
-                    Pair {
-                        name: "greatest",
-                        theory: (x, max_theory),
-                        measured: (x, max),
-                    },
-                ],
+                &[mean, greatest],
             ),
         );
         Ok(outcome)
@@ -243,7 +221,7 @@ impl Measure for Coefficients {
             Heading::new("rms error measured", "").digits(6),
             Heading::new("rms error theory", "").digits(6),
         ]);
-        let mut drawn: [Vec<f64>; 5] = Default::default();
+        let [mut mean, mut rms] = ["mean", "rms"].map(Compared::new);
         let mut worst = 0.0_f64;
         for frame in &self.frame {
             let frame_s = frame.secs();
@@ -263,15 +241,9 @@ impl Measure for Coefficients {
             worst = worst
                 .max((row.mean_measured / row.mean_theory - 1.0).abs())
                 .max((row.rms_measured / row.rms_theory - 1.0).abs());
-            for (list, value) in drawn.iter_mut().zip([
-                row.frame_s * 1e3,
-                row.mean_theory,
-                row.mean_measured,
-                row.rms_theory,
-                row.rms_measured,
-            ]) {
-                list.push(value);
-            }
+            let period_ms = row.frame_s * 1e3;
+            mean.push(period_ms, row.mean_theory, row.mean_measured);
+            rms.push(period_ms, row.rms_theory, row.rms_measured);
         }
         outcome.check(
             worst < 1e-6,
@@ -284,7 +256,6 @@ impl Measure for Coefficients {
             "Error of the coefficient over 20 periods.",
             table,
         );
-        let [x, mean_theory, mean, rms_theory, rms] = &drawn;
         outcome.chart(
             "error",
             "The error is of first order in the period.",
@@ -292,18 +263,7 @@ impl Measure for Coefficients {
                 "Staircase error of a coefficient",
                 Axis::new("period", "ms"),
                 Axis::new("error of the coefficient", ""),
-                &[
-                    Pair {
-                        name: "mean",
-                        theory: (x, mean_theory),
-                        measured: (x, mean),
-                    },
-                    Pair {
-                        name: "rms",
-                        theory: (x, rms_theory),
-                        measured: (x, rms),
-                    },
-                ],
+                &[mean, rms],
             ),
         );
         Ok(outcome)

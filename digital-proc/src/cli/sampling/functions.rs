@@ -5,7 +5,7 @@ use crate::{
     cli::Failure,
     report::{
         Heading, Table,
-        plot::{Axis, LineChart, Pair, Series, measured_vs_theory},
+        plot::{Axis, Compared, LineChart, Series, measured_vs_theory},
     },
     sampling::{
         axes::{Axes, AxesRow, AxesSetting},
@@ -114,35 +114,26 @@ impl Measure for FunctionGeneration {
             "Lag behind the exact function, and rms error.",
             table,
         );
-        let ways = [Way::AllDigital, Way::Hybrid, Way::LocalCell];
-        let data: Vec<[Vec<f64>; 5]> = ways
-            .iter()
-            .map(|way| {
-                let take = |f: fn(&FunctionRow) -> f64| of(*way).map(f).collect::<Vec<f64>>();
-                [
-                    take(|r| r.omega_rad_s),
-                    take(|r| r.lag_theory_deg),
-                    take(|r| r.lag_measured_deg),
-                    take(|r| r.rms_theory_percent.unwrap_or(f64::NAN)),
-                    take(|r| r.rms_measured_percent),
-                ]
+        type Quantity = fn(&FunctionRow) -> f64;
+        let compared = |theory: Quantity, measured: Quantity| {
+            [Way::AllDigital, Way::Hybrid, Way::LocalCell].map(|way| {
+                let mut compared = Compared::new(way_name(way));
+                for row in of(way) {
+                    compared.push(row.omega_rad_s, theory(row), measured(row));
+                }
+                compared
             })
-            .collect();
-        let pairs = |theory: usize, measured: usize| -> Vec<Pair<'_>> {
-            ways.iter()
-                .zip(&data)
-                .map(|(way, d)| Pair {
-                    name: way_name(*way),
-                    theory: (&d[0], &d[theory]),
-                    measured: (&d[0], &d[measured]),
-                })
-                .collect()
         };
         let frequency = || Axis::new("frequency of α", "rad/s");
         outcome.chart(
             "lag",
             "Lag behind the exact function, from correlators over whole cycles.",
-            measured_vs_theory("Lag", frequency(), Axis::new("lag", "°"), &pairs(1, 2)),
+            measured_vs_theory(
+                "Lag",
+                frequency(),
+                Axis::new("lag", "°"),
+                &compared(|r| r.lag_theory_deg, |r| r.lag_measured_deg),
+            ),
         );
         outcome.chart(
             "rms",
@@ -151,7 +142,10 @@ impl Measure for FunctionGeneration {
                 "RMS error",
                 frequency(),
                 Axis::new("rms error", "%").log(),
-                &pairs(3, 4),
+                &compared(
+                    |r| r.rms_theory_percent.unwrap_or(f64::NAN),
+                    |r| r.rms_measured_percent,
+                ),
             ),
         );
         Ok(outcome)
@@ -246,31 +240,27 @@ impl Measure for AxesOfTranslation {
             ),
             table,
         );
-        let of = |axes: Axes| -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let compared = Axes::ALL.map(|axes| {
             let mut all: Vec<&AxesRow> = rows.iter().filter(|r| r.axes == axes).collect();
             all.sort_by(|a, b| a.frame_s.total_cmp(&b.frame_s));
-            (
-                all.iter().map(|r| r.frame_s * 1e3).collect(),
-                all.iter().map(|r| r.gamma_error_theory_deg).collect(),
-                all.iter().map(|r| r.gamma_error_rms_deg).collect(),
-            )
-        };
-        let data: Vec<_> = Axes::ALL.iter().map(|a| (*a, of(*a))).collect();
-        if let Some(i) = data[0].1.0.iter().position(|t| (*t - 100.0).abs() < 1e-9) {
-            let ratio = data[0].1.2[i] / data[1].1.2[i];
+            let mut compared = Compared::new(axes_name(axes));
+            for row in all {
+                compared.push(
+                    row.frame_s * 1e3,
+                    row.gamma_error_theory_deg,
+                    row.gamma_error_rms_deg,
+                );
+            }
+            compared
+        });
+        let [(steps_ms, body), (_, path), ..] = compared.each_ref().map(|c| &c.measured);
+        if let Some(i) = steps_ms.iter().position(|t| (*t - 100.0).abs() < 1e-9) {
+            let ratio = body[i] / path[i];
             outcome.check(
                 ratio > AXES_RATIO,
                 format!("at 100 ms the error in body axes is more than {AXES_RATIO} times that in flight-path axes: {ratio:.1} times"),
             );
         }
-        let pairs: Vec<Pair<'_>> = data
-            .iter()
-            .map(|(axes, (x, theory, measured))| Pair {
-                name: axes_name(*axes),
-                theory: (x, theory),
-                measured: (x, measured),
-            })
-            .collect();
         outcome.chart(
             "gamma-error",
             "Lines: first order of the oscillating part. Markers: runs on the machine.",
@@ -278,16 +268,10 @@ impl Measure for AxesOfTranslation {
                 "Error of the flight-path angle",
                 Axis::new("digital step", "ms").log(),
                 Axis::new("rms error of γ", "°").log(),
-                &pairs,
+                &compared,
             ),
         );
-        let ratio: (Vec<f64>, Vec<f64>) = data[0]
-            .1
-            .0
-            .iter()
-            .zip(data[0].1.2.iter().zip(&data[1].1.2))
-            .map(|(t, (body, path))| (*t, body / path))
-            .unzip();
+        let ratio: Vec<f64> = body.iter().zip(path).map(|(b, p)| b / p).collect();
         outcome.chart(
             "ratio",
             "What the choice of axes is worth.",
@@ -295,7 +279,7 @@ impl Measure for AxesOfTranslation {
                 "Body axes against flight-path axes",
                 Axis::new("digital step", "ms"),
                 Axis::new("ratio of rms errors of γ", ""),
-                vec![Series::markers("", &ratio.0, &ratio.1)],
+                vec![Series::markers("", steps_ms, &ratio)],
             ),
         );
         Ok(outcome)

@@ -10,7 +10,7 @@ use crate::{
     progress::Progress,
     report::{
         Heading, Table,
-        plot::{Axis, Pair, measured_vs_theory},
+        plot::{Axis, Compared, measured_vs_theory},
     },
     sampling::{
         bench::Bench,
@@ -65,6 +65,22 @@ impl Root {
             latency_frames: latency,
             compensation,
         }
+    }
+
+    /// Damping by the exact eigenvalues against the frame, ms.
+    fn curve(
+        &self,
+        longest_s: f64,
+        latency: f64,
+        compensation: Compensation,
+    ) -> (Vec<f64>, Vec<f64>) {
+        (1..=curve::POINTS)
+            .filter_map(|i| {
+                let frame = longest_s * f64::from(i) / f64::from(curve::POINTS);
+                let theory = self.setting(frame, latency, compensation).theory();
+                Some((frame * 1e3, damping_ratio(theory.exact_root().ok()?)))
+            })
+            .unzip()
     }
 }
 
@@ -132,43 +148,24 @@ impl Measure for Root {
             .into_iter()
             .zip(curve::ends(&self.latency))
         {
-            let lines: Vec<(Vec<f64>, Vec<f64>)> = Compensation::ALL
-                .map(|compensation| {
-                    (1..=curve::POINTS)
-                        .filter_map(|i| {
-                            let frame = longest * f64::from(i) / f64::from(curve::POINTS);
-                            let theory = self.setting(frame, latency, compensation).theory();
-                            Some((frame * 1e3, damping_ratio(theory.exact_root().ok()?)))
-                        })
-                        .unzip()
-                })
-                .into();
-            let points: Vec<(Vec<f64>, Vec<f64>)> = Compensation::ALL
-                .map(|compensation| {
-                    rows.iter()
-                        .filter(|r| {
-                            r.setting.compensation == compensation
-                                && r.setting.latency_frames == latency
-                        })
-                        .map(|r| (r.setting.frame_s * 1e3, r.zeta_measured))
-                        .unzip()
-                })
-                .into();
-            let pairs: Vec<Pair<'_>> = Compensation::ALL
-                .iter()
-                .zip(lines.iter().zip(&points))
-                .map(|(c, (line, point))| Pair {
-                    name: compensation_name(*c),
-                    theory: (&line.0, &line.1),
-                    measured: (&point.0, &point.1),
-                })
-                .collect();
+            let compared = Compensation::ALL.map(|compensation| Compared {
+                name: compensation_name(compensation).to_owned(),
+                theory: self.curve(longest, latency, compensation),
+                measured: rows
+                    .iter()
+                    .filter(|r| {
+                        r.setting.compensation == compensation
+                            && r.setting.latency_frames == latency
+                    })
+                    .map(|r| (r.setting.frame_s * 1e3, r.zeta_measured))
+                    .unzip(),
+            });
             let title = format!("Damping at a latency of {latency} frames");
             let chart = measured_vs_theory(
                 &title,
                 Axis::new("frame", "ms"),
                 Axis::new("damping ratio ζ", ""),
-                &pairs,
+                &compared,
             )
             .limit(self.zeta, "continuous loop")
             .limit(0.0, "stability");

@@ -6,9 +6,7 @@ mod short_period;
 
 use maud::{Markup, html};
 
-use super::{
-    Claim, Numbering, Partition, Section, Verdict, block_diagram, claims_table, page, provenance,
-};
+use super::{Claim, Numbering, Partition, Section, block_diagram, claims_table, page, provenance};
 use crate::run_dir::RunRecord;
 use crate::study::case_study::{CasePlan, CaseResults};
 use crate::study::claim;
@@ -36,21 +34,12 @@ const EVIDENCE: [(&str, &str); 14] = [
 pub fn report_claims(claims: &[claim::Claim], shown: impl Fn(&str) -> bool) -> Vec<Claim> {
     claims
         .iter()
-        .map(|claim| Claim {
-            id: claim.id.to_owned(),
-            sentence: claim.sentence.to_owned(),
-            criterion: claim.criterion.clone(),
-            measured: claim.measured.clone(),
-            verdict: match claim.verdict {
-                claim::Verdict::Holds => Verdict::Holds,
-                claim::Verdict::Fails => Verdict::Fails,
-                claim::Verdict::NotJudged => Verdict::NotJudged,
-            },
-            note: claim.remark.clone().unwrap_or_default(),
-            evidence: EVIDENCE
+        .map(|claim| {
+            let evidence = EVIDENCE
                 .iter()
                 .find(|(id, anchor)| *id == claim.id && shown(anchor))
-                .map(|(_, anchor)| format!("#{anchor}")),
+                .map(|(_, anchor)| format!("#{anchor}"));
+            Claim::of(claim, evidence)
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::plot::tornado;
-use crate::report::sensitivity::{corner_table, ranking_table, tornado_of};
+use crate::report::sensitivity::{corners, ranking, tornado_of};
 use crate::report::{Numbering, Section, anchor};
 use crate::study::sensitivity::{
     dispersion_file::Dispersions,
@@ -20,10 +20,7 @@ pub(super) fn section(
     let mut rankings: Vec<Markup> = Vec::new();
     for measure in DRAWN {
         let (label, _) = measure.label();
-        let id = format!("rank-{}", anchor(label));
-        let caption = format!("{label}: dispersions ranked by span, each at its widest point.");
-        let table = ranking_table(points, measure).markup();
-        rankings.push(numbering.table(&id, &caption, table));
+        rankings.push(ranking(numbering, points, measure));
         if let Some(point) = widest(points, measure) {
             let spec = tornado_of(point, measure);
             let caption = format!(
@@ -33,15 +30,7 @@ pub(super) fn section(
             rankings.push(numbering.figure(&anchor(&spec.title), &caption, tornado(&spec)));
         }
     }
-    let order: Vec<&str> = dispersions.all.iter().map(|d| d.title.as_str()).collect();
-    let corners = numbering.table(
-        "corners",
-        &format!(
-            "All corners by eigenvalues; the least damped of each point on the machine. Settings in the order {}.",
-            order.join(", ")
-        ),
-        corner_table(points).markup(),
-    );
+    let corners = corners(numbering, points, dispersions);
     Section::new(
         "Sensitivity to dispersed parameters",
         html! { @for part in &rankings { (part) } (corners) },

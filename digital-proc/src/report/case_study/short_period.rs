@@ -7,17 +7,15 @@ use crate::report::short_period::{
 };
 use crate::report::{Numbering, Section, anchor};
 use crate::study::case_study::CaseResults;
-use crate::study::short_period::claims::{FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW};
+use crate::study::short_period::claims::{
+    BENDING_MIDDLE, FTC_GAIN_LOST, NORMAL, OSCILLATORY, OVERSHOOT_P1, TVC_FAST, TVC_SLOW,
+};
+use crate::study::short_period::measure::YAW_BAND_DEG;
 use crate::study::short_period::outcome::Outcome;
 use crate::study::short_period::response::PitchResponse;
 
 /// Cells of the matrix that get a figure of their own.
 const WORST: usize = 10;
-/// Criteria that mark a cell, as the claims have them: oscillatory from 20 % of the step
-/// on, overshoot 25 %, bending envelope 35 % of its first.
-const OSCILLATORY_PERCENT: f64 = 20.0;
-const OVERSHOOT_PERCENT: f64 = 25.0;
-const BENDING_PERCENT: f64 = 35.0;
 
 /// The sections in order.
 pub(super) fn sections(numbering: &mut Numbering, results: &CaseResults) -> Vec<Section> {
@@ -210,46 +208,65 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
         Some(measures.yaw_settling_s.unwrap_or(f64::NAN))
     };
     let nowhere = |_: usize, _: usize| None;
-    let table = |numbering: &mut Numbering, id: &str, caption: &str, measure: &Measure<'_>| {
-        numbering.table(id, caption, matrix(outcome, measure))
-    };
-    html! {
-        (table(numbering, "matrix-residual",
+    let [oscillatory, overshot, bent] =
+        [OSCILLATORY, OVERSHOOT_P1, BENDING_MIDDLE].map(|fraction| 100.0 * fraction);
+    let tables = [
+        (
+            "matrix-residual",
             "Residual oscillation of θ in the disturbed pitch runs; the worst cells lead to their responses.",
-            &Measure {
-                quantity: format!("Peak-to-peak θ from 5 to 10 s without its parabolic trend, % of the step; outside from {OSCILLATORY_PERCENT} % on"),
-                limit: OSCILLATORY_PERCENT,
+            Measure {
+                quantity: format!(
+                    "Peak-to-peak θ from 5 to 10 s without its parabolic trend, % of the step; outside from {oscillatory:.0} % on"
+                ),
+                limit: oscillatory,
                 scale: (0.0, 100.0),
                 value: &residual,
                 href: &href,
-            }))
-        (table(numbering, "matrix-overshoot",
+            },
+        ),
+        (
+            "matrix-overshoot",
             "Overshoot of θ in the pitch runs without disturbances.",
-            &Measure {
-                quantity: format!("Overshoot, % of the step; outside above {OVERSHOOT_PERCENT} %"),
-                limit: OVERSHOOT_PERCENT,
+            Measure {
+                quantity: format!("Overshoot, % of the step; outside above {overshot:.0} %"),
+                limit: overshot,
                 scale: (0.0, 50.0),
                 value: &overshoot,
                 href: &nowhere,
-            }))
-        (table(numbering, "matrix-bending",
+            },
+        ),
+        (
+            "matrix-bending",
             "Decay of the first bending coordinate in the disturbed pitch runs.",
-            &Measure {
-                quantity: format!("Bending envelope from 5 to 6.5 s over that of the first 2 s, %; outside above {BENDING_PERCENT} %"),
-                limit: BENDING_PERCENT,
+            Measure {
+                quantity: format!(
+                    "Bending envelope from 5 to 6.5 s over that of the first 2 s, %; outside above {bent:.0} %"
+                ),
+                limit: bent,
                 scale: (0.0, 100.0),
                 value: &bending,
                 href: &href,
-            }))
-        (table(numbering, "matrix-yaw",
+            },
+        ),
+        (
+            "matrix-yaw",
             "Yaw settling with shared tips.",
-            &Measure {
-                quantity: format!("Time to stay within 0.2° of the final yaw, s; a dash did not settle within {} s", plan.duration_s),
+            Measure {
+                quantity: format!(
+                    "Time to stay within {YAW_BAND_DEG}° of the final yaw, s; a dash did not settle within {} s",
+                    plan.duration_s
+                ),
                 limit: plan.duration_s,
                 scale: (0.0, plan.duration_s),
                 value: &yaw,
                 href: &nowhere,
-            }))
+            },
+        ),
+    ];
+    html! {
+        @for (id, caption, measure) in &tables {
+            (numbering.table(id, caption, matrix(outcome, measure)))
+        }
         (remarks(outcome))
     }
 }

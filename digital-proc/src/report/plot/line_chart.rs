@@ -178,45 +178,6 @@ impl LineChart {
     }
 }
 
-/// A theory and the measurement that it is held against, each as (abscissae, ordinates).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair<'a> {
-    /// What varies from pair to pair; may be empty.
-    pub name: &'a str,
-    /// Drawn as a line.
-    pub theory: (&'a [f64], &'a [f64]),
-    /// Drawn as markers.
-    pub measured: (&'a [f64], &'a [f64]),
-}
-
-/// Theory as lines and measurement as markers, pair by pair in one style.
-#[must_use]
-pub fn measured_vs_theory(title: &str, x: Axis, y: Axis, pairs: &[Pair<'_>]) -> LineChart {
-    let named = |name: &str, what: &str| {
-        if name.is_empty() {
-            what.to_owned()
-        } else {
-            format!("{name}, {what}")
-        }
-    };
-    let series = pairs
-        .iter()
-        .enumerate()
-        .flat_map(|(i, pair)| {
-            [
-                Series::line(named(pair.name, "theory"), pair.theory.0, pair.theory.1).style(i),
-                Series::markers(
-                    named(pair.name, "measured"),
-                    pair.measured.0,
-                    pair.measured.1,
-                )
-                .style(i),
-            ]
-        })
-        .collect();
-    LineChart::new(title, x, y, series)
-}
-
 /// Height of a row of event labels, in drawing units.
 const MARK_ROW: i32 = 150;
 

@@ -7,6 +7,7 @@
 
 mod axis;
 mod canvas;
+mod compared;
 mod curve;
 mod decimate;
 mod heat_map;
@@ -15,11 +16,10 @@ mod line_chart;
 mod tornado;
 
 pub use axis::{Axis, Scale};
+pub use compared::{Compared, measured_vs_theory};
 pub use heat_map::{HeatCell, HeatMap, heat_map};
 pub use histogram::{Histogram, histogram};
-pub use line_chart::{
-    Draw, Limit, LineChart, Mark, Pair, Series, Size, line_chart, measured_vs_theory,
-};
+pub use line_chart::{Draw, Limit, LineChart, Mark, Series, Size, line_chart};
 pub use tornado::{Tornado, TornadoBar, tornado};
 
 /// Number of line styles before they repeat.

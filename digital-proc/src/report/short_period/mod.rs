@@ -12,6 +12,7 @@ use maud::{Markup, html};
 
 use super::{Numbering, Section, anchor, page, provenance};
 use crate::run_dir::RunRecord;
+use crate::study::short_period::measure::{PITCH_BAND, ROLL_BAND_DEG, YAW_BAND_DEG};
 use crate::study::short_period::outcome::Outcome;
 
 /// Runs beyond this many are tabulated and traced, and only the worst are drawn.
@@ -25,12 +26,12 @@ pub fn short_period_report(title: &str, outcome: &Outcome, record: &RunRecord) -
     let measures = html! {
         @if !outcome.plan.pitch.is_empty() {
             (numbering.table("pitch-measures",
-                "Measures of each pitch run. Settling is to 5 % of the step about the final value; the residual is the peak-to-peak attitude from 5 to 10 s without its parabolic trend; η is the bending envelope over that of the first 2 s. Eigenvalues are those of the loop with both channels linear.",
+                &format!("Measures of each pitch run. Settling is to {:.0} % of the step about the final value; the residual is the peak-to-peak attitude from 5 to 10 s without its parabolic trend; η is the bending envelope over that of the first 2 s. Eigenvalues are those of the loop with both channels linear.", 100.0 * PITCH_BAND),
                 pitch_table(outcome).markup()))
         }
         @if !outcome.plan.yaw_roll.is_empty() {
             (numbering.table("yaw-roll-measures",
-                "Measures of each yaw–roll run. Settling is to 0.2° in yaw and 0.5° in roll about the final value.",
+                &format!("Measures of each yaw–roll run. Settling is to {YAW_BAND_DEG}° in yaw and {ROLL_BAND_DEG}° in roll about the final value."),
                 yaw_roll_table(outcome).markup()))
         }
         (remarks(outcome))

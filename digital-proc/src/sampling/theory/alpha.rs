@@ -38,7 +38,7 @@
 //! K = 0.5; with Euler or a rate held over the frame it lags by half a frame, and the shift at
 //! K = 0.2 is three times too large.
 
-use super::{C64, TheoryError, in_range, period_map::PeriodMap};
+use super::{C64, TheoryError, frame_and_latency, in_range, period_map::PeriodMap};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -149,13 +149,7 @@ impl AlphaLoop {
     /// # Errors
     /// On a frame that is not positive, a latency beyond one frame, or no slow frame.
     pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
-        let frame = in_range("the frame", self.frame_s, self.frame_s > 0.0, "> 0 s")?;
-        let latency = in_range(
-            "the latency",
-            self.latency_s,
-            (0.0..=frame).contains(&self.latency_s),
-            "0 to one frame",
-        )?;
+        let (frame, latency) = frame_and_latency(self.frame_s, self.latency_s)?;
         let slow = match self.scheme {
             Scheme::Conventional => 1,
             Scheme::Redundant { slow_frames, .. } => slow_frames,

@@ -5,7 +5,7 @@
 //! `t_n + τ`, 0 ≤ τ ≤ T, through any [`Hold`]. Where a sample and a transfer fall
 //! on one instant the sample comes first, which is the rule of the machine.
 
-use super::{C64, TheoryError, hold::Hold, in_range, period_map::PeriodMap};
+use super::{C64, TheoryError, frame_and_latency, hold::Hold, period_map::PeriodMap};
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// A loop to be solved exactly.
@@ -95,13 +95,7 @@ impl FeedbackLoop {
                 found: format!("{:?}, {}, {}", self.a.shape(), self.b.len(), self.c.len()),
             });
         }
-        let frame = in_range("the frame", self.frame_s, self.frame_s > 0.0, "> 0 s")?;
-        let latency = in_range(
-            "the latency",
-            self.latency_s,
-            (0.0..=frame).contains(&self.latency_s),
-            "0 to one frame",
-        )?;
+        let (frame, latency) = frame_and_latency(self.frame_s, self.latency_s)?;
         let size = n + 5;
         let (y, slope, pending, previous, last) = (n, n + 1, n + 2, n + 3, n + 4);
 

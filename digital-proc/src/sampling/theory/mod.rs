@@ -96,3 +96,15 @@ pub(crate) fn in_range(
         Err(TheoryError::Range { what, value, range })
     }
 }
+
+/// A frame period above zero and a latency of at most one frame, s.
+pub(crate) fn frame_and_latency(frame_s: f64, latency_s: f64) -> Result<(f64, f64), TheoryError> {
+    let frame = in_range("the frame", frame_s, frame_s > 0.0, "> 0 s")?;
+    let latency = in_range(
+        "the latency",
+        latency_s,
+        (0.0..=frame).contains(&latency_s),
+        "0 to one frame",
+    )?;
+    Ok((frame, latency))
+}

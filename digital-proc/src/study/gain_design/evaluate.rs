@@ -10,15 +10,18 @@ use crate::{
     console::Console,
     gain_schedule::LoopGains,
     slice,
-    study::short_period::point::FrozenPoint,
+    study::short_period::{
+        claims::{OVERSHOOT_P1, RESIDUAL_P1},
+        point::FrozenPoint,
+    },
     vehicle::{ScheduleData, Vehicle},
 };
 use serde::Serialize;
 
 /// Overshoot accepted of a schedule, fraction of the step (criterion P1).
-pub const OVERSHOOT: f64 = 0.25;
+pub const OVERSHOOT: f64 = OVERSHOOT_P1;
 /// Residual oscillation accepted, fraction of the step (criterion P1).
-pub const RESIDUAL: f64 = 0.05;
+pub const RESIDUAL: f64 = RESIDUAL_P1;
 
 /// A schedule at one point.
 #[derive(Clone, Debug, PartialEq, Serialize)]

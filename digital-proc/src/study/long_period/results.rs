@@ -1,8 +1,9 @@
 //! What a long-period study comes to: burn-out, loads and fuel of every flight.
 
+use super::history::History;
 use crate::{
     flight_mode::{FlightScript, Schedule},
-    flight_summary::{FlightSample, FlightSummary},
+    flight_summary::FlightSummary,
     vehicle::{ScheduleData, Vehicle},
 };
 use serde::Serialize;
@@ -172,55 +173,6 @@ impl Acceptance {
             range_km: case.accept_drange_km,
             q_alpha_padeg: vehicle.data().limits.q_alpha_padeg,
         }
-    }
-}
-
-/// The paper's ten variables against time, one value a trajectory step.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct History {
-    /// Flight time, s.
-    pub time_s: Vec<f64>,
-    /// (i) Inertial velocity, m/s.
-    pub speed_mps: Vec<f64>,
-    /// (ii) Flight-path angle, deg.
-    pub path_angle_deg: Vec<f64>,
-    /// (iii) Altitude, km.
-    pub altitude_km: Vec<f64>,
-    /// (iv) Range angle, deg.
-    pub range_angle_deg: Vec<f64>,
-    /// (v) Pitch angle of attack, deg.
-    pub incidence_deg: Vec<f64>,
-    /// (vi) Mach number.
-    pub mach: Vec<f64>,
-    /// (vii) Dynamic pressure, kPa.
-    pub q_kpa: Vec<f64>,
-    /// (viii) Qα, kPa deg, signed.
-    pub q_alpha_kpadeg: Vec<f64>,
-    /// (ix) Pitch angle, deg.
-    pub pitch_deg: Vec<f64>,
-    /// (ix) Roll angle, deg.
-    pub roll_deg: Vec<f64>,
-    /// (x) TVC force in pitch, kN.
-    pub tvc_pitch_kn: Vec<f64>,
-}
-
-impl History {
-    /// Appends a sample.
-    pub fn push(&mut self, s: &FlightSample) {
-        self.time_s.push(s.time_s);
-        self.speed_mps.push(s.trajectory.speed_mps);
-        self.path_angle_deg
-            .push(s.trajectory.path_angle_rad.to_degrees());
-        self.altitude_km.push(s.trajectory.altitude_m / 1e3);
-        self.range_angle_deg
-            .push(s.trajectory.range_angle_rad.to_degrees());
-        self.incidence_deg.push(s.incidence_rad.to_degrees());
-        self.mach.push(s.mach);
-        self.q_kpa.push(s.dynamic_pressure_pa / 1e3);
-        self.q_alpha_kpadeg.push(s.q_alpha_padeg() / 1e3);
-        self.pitch_deg.push(s.pitch_rad.to_degrees());
-        self.roll_deg.push(s.roll_rad.to_degrees());
-        self.tvc_pitch_kn.push(s.tvc_pitch_n / 1e3);
     }
 }
 

@@ -5,8 +5,9 @@
 //! that their peaks compare. A flight that diverges is recorded as lost and the
 //! next one starts afresh; a fault of the link or of a file ends the study.
 
+use super::history::History;
 use super::results::{
-    Acceptance, Departure, FlightFigures, FlightWind, Flown, History, LongPeriodResults, ModeResult,
+    Acceptance, Departure, FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult,
 };
 use crate::{
     console::{Console, ConsoleFault},

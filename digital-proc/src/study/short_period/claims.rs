@@ -9,6 +9,8 @@
 mod pitch;
 mod yaw_roll;
 
+pub use pitch::{BENDING_MIDDLE, OSCILLATORY, OVERSHOOT_P1, RESIDUAL_P1};
+
 use super::measure::{PitchMeasures, Results, YawRollMeasures};
 use super::plan::{PitchCase, Plan, YawRollCase};
 use crate::study::claim::{Claim, Verdict};

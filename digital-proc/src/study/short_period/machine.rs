@@ -9,16 +9,13 @@
 //! A run that diverges until the machine refuses to go on is kept up to there and
 //! remarked upon; it does not end the study. A lost partner does.
 
-use super::coefficients::{PitchSettings, YawRollSettings};
-use super::plan::{PitchCase, Plan, YawRollCase};
-use super::response::{
-    PITCH_CHANNELS, PitchResponse, Response, YAW_ROLL_CHANNELS, YawRollResponse,
-};
+use super::bench::{Bench, Occurrence};
+use super::plan::Plan;
+use super::response::{PITCH_CHANNELS, PitchResponse, YAW_ROLL_CHANNELS, YawRollResponse};
 use crate::console::{Console, ConsoleFault};
 use interface::{
     Tick,
-    control::{ChannelKind, Clock, PatchBundle, RunSpec},
-    frame::Samples,
+    control::{Clock, PatchBundle, RunSpec},
     profile::Profile,
 };
 
@@ -85,25 +82,6 @@ pub struct Remark {
     pub what: Occurrence,
 }
 
-/// What may happen in a run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Occurrence {
-    /// The machine stopped it; its samples end there.
-    #[error("stopped at {time}: {fault}")]
-    Stopped {
-        /// Problem time of the last frame.
-        time: Tick,
-        /// The analog side's account.
-        fault: String,
-    },
-    /// A converter or coefficient unit was driven beyond its range.
-    #[error("a converter was saturated")]
-    Saturated,
-    /// Blocks were overloaded: their names, in order of time.
-    #[error("overloaded: {}", .0.join(", "))]
-    Overloaded(Vec<String>),
-}
-
 /// The machine's answers in the plan's order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answers {
@@ -136,7 +114,7 @@ pub fn run(
             .patches
             .push(bench.identity(console, &patches.pitch));
         for (number, case) in plan.pitch.iter().enumerate() {
-            let (response, seen) = bench.run(console, plan.sample_s, &spec, case)?;
+            let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;
             answers.pitch.push(response);
             answers.remark(ControlLoop::Pitch, number, seen);
             progress(number + 1);
@@ -148,7 +126,7 @@ pub fn run(
             .patches
             .push(bench.identity(console, &patches.yaw_roll));
         for (number, case) in plan.yaw_roll.iter().enumerate() {
-            let (response, seen) = bench.run(console, plan.sample_s, &spec, case)?;
+            let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;
             answers.yaw_roll.push(response);
             answers.remark(ControlLoop::YawRoll, number, seen);
             progress(plan.pitch.len() + number + 1);
@@ -180,102 +158,4 @@ fn spec(plan: &Plan) -> RunSpec {
         from_ic: true,
         clock: Clock::LockStep,
     }
-}
-
-/// What the bench asks of a case of either loop.
-trait Case {
-    /// Coefficients, converters and control lines by name.
-    fn settings(&self) -> Vec<(&'static str, f64)>;
-    /// Initial conditions by integrator name; the others stand as patched.
-    fn initial_conditions(&self) -> Vec<(&'static str, f64)>;
-}
-
-impl Case for PitchCase {
-    fn settings(&self) -> Vec<(&'static str, f64)> {
-        PitchSettings::settings(&self.settings)
-    }
-
-    fn initial_conditions(&self) -> Vec<(&'static str, f64)> {
-        Vec::new()
-    }
-}
-
-impl Case for YawRollCase {
-    fn settings(&self) -> Vec<(&'static str, f64)> {
-        YawRollSettings::settings(&self.settings)
-    }
-
-    fn initial_conditions(&self) -> Vec<(&'static str, f64)> {
-        self.settings.initial_conditions().to_vec()
-    }
-}
-
-/// A loaded patch with the numbers of its `N` sampled channels.
-struct Bench<const N: usize> {
-    adc: [usize; N],
-}
-
-impl<const N: usize> Bench<N> {
-    fn load(
-        console: &mut Console<'_>,
-        patch: &PatchBundle,
-        profile: &Profile,
-        channels: [&str; N],
-    ) -> Result<Self, ConsoleFault> {
-        console.load(patch.clone(), Vec::new(), profile.clone())?;
-        let mut adc = [0; N];
-        for (number, name) in adc.iter_mut().zip(channels) {
-            *number = console.channel(ChannelKind::Adc, name)?;
-        }
-        Ok(Bench { adc })
-    }
-
-    fn identity(&self, console: &Console<'_>, patch: &PatchBundle) -> (String, String) {
-        (patch.root.clone(), console.patch_hash().to_owned())
-    }
-
-    fn run(
-        &self,
-        console: &mut Console<'_>,
-        sample_s: f64,
-        spec: &RunSpec,
-        case: &impl Case,
-    ) -> Result<(Response<N>, Vec<Occurrence>), ConsoleFault> {
-        // The initial conditions first: they reset what a stopped run left behind.
-        console.set_ics(owned(case.initial_conditions()))?;
-        console.preset(owned(case.settings()))?;
-        let mut response = Response::new(sample_s);
-        let mut saturated = false;
-        let ended = console.operate::<ConsoleFault>(spec, |samples: &Samples, _| {
-            response.push(self.adc.map(|channel| samples.adc[channel]));
-            saturated |= samples.adc_saturated | samples.dac_saturated != 0
-                || samples.dcu_saturated != [0; 2];
-            Ok(())
-        });
-        let mut seen = Vec::new();
-        match ended {
-            Ok(last) if last.overloads > 0 => {
-                let overloads = console.diagnose()?.overloads;
-                seen.push(Occurrence::Overloaded(
-                    overloads.into_iter().map(|o| o.block).collect(),
-                ));
-            }
-            Ok(_) => {}
-            Err(ConsoleFault::RunFault { time, fault }) => {
-                seen.push(Occurrence::Stopped { time, fault });
-            }
-            Err(fault) => return Err(fault),
-        }
-        if saturated {
-            seen.push(Occurrence::Saturated);
-        }
-        Ok((response, seen))
-    }
-}
-
-fn owned(values: Vec<(&'static str, f64)>) -> Vec<(String, f64)> {
-    values
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), value))
-        .collect()
 }

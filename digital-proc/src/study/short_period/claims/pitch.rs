@@ -4,10 +4,14 @@ use super::super::measure::PitchMeasures;
 use super::{FTC_GAIN_LOST, NORMAL, PitchRuns, TVC_FAST, TVC_SLOW, Worst, both};
 use crate::study::claim::{Claim, Verdict};
 
-const OVERSHOOT_P1: f64 = 0.25;
-const RESIDUAL_P1: f64 = 0.05;
-const OSCILLATORY: f64 = 0.20;
-const BENDING_MIDDLE: f64 = 0.35;
+/// Overshoot up to which a response is satisfactory, as a fraction of the step (P1).
+pub const OVERSHOOT_P1: f64 = 0.25;
+/// Residual oscillation up to which it is, as a fraction of the step (P1).
+pub const RESIDUAL_P1: f64 = 0.05;
+/// Residual oscillation from which a response is oscillatory (P2, P3).
+pub const OSCILLATORY: f64 = 0.20;
+/// Bending envelope by 5–6.5 s up to which the mode attenuates, over its first (P5, P6).
+pub const BENDING_MIDDLE: f64 = 0.35;
 const BENDING_LATE: f64 = 0.20;
 /// Up to here the FTC-gain failure is claimed to oscillate, s. Later the TVC alone
 /// is well damped, since its own lead is scheduled up as the thrust falls.

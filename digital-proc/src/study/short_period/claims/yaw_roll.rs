@@ -1,5 +1,6 @@
 //! Y1 to Y4: the yaw and roll loops sharing the tips.
 
+use super::super::measure::{ROLL_BAND_DEG, YAW_BAND_DEG};
 use super::{Worst, YawRollRuns};
 use crate::study::claim::Claim;
 
@@ -87,14 +88,15 @@ pub(super) fn y4(runs: &YawRollRuns) -> Claim {
         sentence: "using the fin tips exclusively for the roll channel and the TVC correspondingly \
                    for the yaw stabilisation … may eliminate yaw-roll interaction and achieve \
                    better response times",
-        criterion: "with dedicated allocation yaw settles (to 0.2° of its final value) no later, \
-                    at every point"
-            .to_owned(),
+        criterion: format!(
+            "with dedicated allocation yaw settles (to {YAW_BAND_DEG}° of its final value) no later, \
+             at every point"
+        ),
         measured: format!("least gain {}", gain.seconds()),
         verdict: gain.against(0.0),
         remark: roll.found.map(|_| {
             format!(
-                "roll then settles to 0.5° at the latest in {}",
+                "roll then settles to {ROLL_BAND_DEG}° at the latest in {}",
                 roll.seconds()
             )
         }),
