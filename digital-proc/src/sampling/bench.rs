@@ -375,13 +375,16 @@ impl<'c, 'p> Bench<'c, 'p> {
             profile.adc.bits = chosen(bits);
             profile.dac.bits = chosen(bits);
         }
+        let bits = profile.adc.bits.as_ref().map(|b| b.value);
         self.console
             .load(bundle.clone(), study.params.clone(), profile)?;
         let mut law = study.law(self.console.channels())?;
         self.operate(case.frame, case.latency, Tick::ZERO, study.stop, |s, up| {
             law.step(s.frame, &s.adc, up);
         })?;
-        Ok(case.row(&law)?)
+        let mut row = case.row(&law)?;
+        row.bits = bits;
+        Ok(row)
     }
 }
 

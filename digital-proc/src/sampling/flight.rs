@@ -261,6 +261,8 @@ pub struct Flown {
     pub max_q_alpha_padeg: f64,
     /// Greatest |θ − θ_c|, rad.
     pub worst_error_rad: f64,
+    /// Greatest |φ|, rad.
+    pub worst_roll_rad: f64,
     /// Whether it was lost.
     pub lost: bool,
     /// When it ended, s.
@@ -282,6 +284,8 @@ pub struct FlightRow {
     pub max_q_alpha_padeg: f64,
     /// Greatest |θ − θ_c|, deg.
     pub worst_error_deg: f64,
+    /// Greatest |φ|, deg: the roll loop is the fastest of the three, and the first to go.
+    pub worst_roll_deg: f64,
     /// Whether the flight was lost.
     pub lost: bool,
     /// When it ended, s.
@@ -338,6 +342,7 @@ pub fn fly(
         pitch_rad: Vec::new(),
         max_q_alpha_padeg: 0.0,
         worst_error_rad: 0.0,
+        worst_roll_rad: 0.0,
         lost: false,
         end_s: 0.0,
     };
@@ -353,6 +358,8 @@ pub fn fly(
             }
             let away = (s.pitch_rad - s.pitch_command_rad).abs();
             flown.worst_error_rad = flown.worst_error_rad.max(away);
+            let roll = result.attitude.angle_rad[2].abs();
+            flown.worst_roll_rad = flown.worst_roll_rad.max(roll);
             flown.end_s = s.time_s;
             Ok(())
         },
@@ -398,22 +405,23 @@ pub fn row(
         omega_rad_s: pole.map(|s| s.norm()),
         max_q_alpha_padeg: base.max_q_alpha_padeg,
         worst_error_deg: base.worst_error_rad.to_degrees(),
+        worst_roll_deg: base.worst_roll_rad.to_degrees(),
         lost: base.lost,
         end_s: base.end_s,
     })
 }
 
-/// The least damped oscillation of an answer between 1 and 15 rad/s; the plant's slow change stands
-/// below the floor of 1e-3.
+/// The oscillation of an answer between 1 and 15 rad/s that has the most energy; the plant's slow
+/// change stands below the floor of 1e-3.
 fn dominant(answer: &[f64], frame_s: f64) -> Option<super::theory::C64> {
     let stride = (ANSWER_PERIOD_S / frame_s).round().max(1.0) as usize;
     let thinned: Vec<f64> = answer.iter().step_by(stride).copied().collect();
     let changes: Vec<f64> = thinned.windows(2).map(|w| w[1] - w[0]).collect();
-    identify::poles(&changes, stride as f64 * frame_s, 1e-3)
-        .ok()?
-        .into_iter()
-        .filter(|s| s.im > 0.0 && (1.0..15.0).contains(&s.norm()))
-        .max_by(|a, b| a.re.total_cmp(&b.re))
+    let period_s = stride as f64 * frame_s;
+    let roots = identify::poles(&changes, period_s, 1e-3).ok()?;
+    identify::strongest(&changes, period_s, &roots, |s| {
+        s.im > 0.0 && (1.0..15.0).contains(&s.norm())
+    })
 }
 
 #[cfg(test)]

@@ -118,7 +118,7 @@ const LONGEST: usize = 320;
 /// Greatest number of modes sought.
 const MODES: usize = 12;
 /// Shortest record: five modes and twice as many equations.
-const SHORTEST: usize = 18;
+pub const SHORTEST: usize = 18;
 
 /// Equivalent roots `ln z / T` of every mode above `floor` (relative to the largest singular
 /// value; 1e-9 for a noise-free record, more for a quantised one), by the matrix pencil.
@@ -138,7 +138,8 @@ pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, Ide
     let largest = singular.first().copied().unwrap_or(0.0);
     let keep: Vec<usize> = (0..singular.len())
         .filter(|i| singular[*i] > floor * largest)
-        .take(MODES)
+        // Noise fills the whole rank; the shift needs a row more than it has modes.
+        .take(MODES.min(columns - 1))
         .collect();
     if keep.is_empty() || largest == 0.0 {
         return Err(IdentifyError::NoOscillation);
@@ -159,6 +160,30 @@ pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, Ide
         .filter(|z| z.norm() > 1e-9)
         .map(|z| equivalent_root(*z, period_s))
         .collect())
+}
+
+/// Of `candidates`, the equivalent root whose mode has the most energy in the record, by a
+/// least-squares fit of `Σ c_k z_k^n` with all of `roots`.
+#[must_use]
+pub fn strongest(
+    samples: &[f64],
+    period_s: f64,
+    roots: &[C64],
+    candidates: impl Fn(&C64) -> bool,
+) -> Option<C64> {
+    let z: Vec<C64> = roots.iter().map(|s| (s * period_s).exp()).collect();
+    let modes = DMatrix::from_fn(samples.len(), z.len(), |n, k| {
+        z[k].powi(i32::try_from(n).unwrap_or(i32::MAX))
+    });
+    let right = DMatrix::from_fn(samples.len(), 1, |n, _| C64::new(samples[n], 0.0));
+    let qr = modes.clone().qr();
+    let weights = qr.r().solve_upper_triangular(&(qr.q().adjoint() * right))?;
+    let energy =
+        |k: usize| weights[(k, 0)].norm_sqr() * modes.column(k).map(|m| m.norm_sqr()).sum();
+    (0..roots.len())
+        .filter(|k| candidates(&roots[*k]))
+        .max_by(|a, b| energy(*a).total_cmp(&energy(*b)))
+        .map(|k| roots[k])
 }
 
 /// Singular values, greatest first, and right singular vectors, by one-sided Jacobi rotations.

@@ -71,6 +71,7 @@ impl Measure for Flight {
             Heading::new("greatest Q alpha", "kPa deg").digits(4),
             Heading::new("of the limit", "%").digits(3),
             Heading::new("greatest attitude error", "deg").digits(3),
+            Heading::new("greatest roll", "deg").digits(3),
             Heading::new("flight", ""),
         ]);
         let mut rows: Vec<FlightRow> = Vec::new();
@@ -93,6 +94,7 @@ impl Measure for Flight {
                     (1e-3 * r.max_q_alpha_padeg).into(),
                     (100.0 * r.max_q_alpha_padeg / limit).into(),
                     r.worst_error_deg.into(),
+                    r.worst_roll_deg.into(),
                     if r.lost {
                         format!("lost at {:.1} s", r.end_s).into()
                     } else {
@@ -149,6 +151,16 @@ impl Measure for Flight {
                 frame_axis(),
                 Axis::new("greatest |θ − θc|", "°").log(),
                 series(&|r| r.worst_error_deg),
+            ),
+        );
+        outcome.chart(
+            "roll",
+            "Greatest roll angle. The roll loop is the fastest of the three: sampled one frame late it oscillates long before the pitch loop is lost, within the limits of its tips, and takes their travel from pitch and yaw.",
+            LineChart::new(
+                "Roll",
+                frame_axis(),
+                Axis::new("greatest |φ|", "°").log(),
+                series(&|r| r.worst_roll_deg),
             ),
         );
         Ok(outcome)

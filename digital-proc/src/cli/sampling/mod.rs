@@ -195,6 +195,9 @@ impl<T: Args + Measure> Lab<T> {
         let mut bench = Bench::new(&mut console, profile.clone());
         let mut outcome = self.own.measure(&mut bench)?;
         outcome.saturated = bench.saturated().to_vec();
+        if profile.name != Profile::ideal().name {
+            outcome.note_real_machine(&profile.name);
+        }
         let patch_hash = console.patch_hash().to_owned();
         console.bye()?;
         drop(machine);

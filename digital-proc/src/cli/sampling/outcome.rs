@@ -52,6 +52,8 @@ pub struct Outcome {
     pub tables: Vec<Titled>,
     pub figures: Vec<Figure>,
     pub checks: Vec<Check>,
+    /// What was measured but not judged.
+    pub not_judged: Vec<String>,
     /// Converters and coefficients that reached the end of their range, by name.
     pub saturated: Vec<String>,
     /// Settings, for the record.
@@ -74,6 +76,7 @@ impl Outcome {
             tables: Vec::new(),
             figures: Vec::new(),
             checks: Vec::new(),
+            not_judged: Vec::new(),
             saturated: Vec::new(),
             parameters: toml::Table::new(),
             seeds: BTreeMap::new(),
@@ -161,7 +164,7 @@ impl Outcome {
                 let verdict = if check.holds { "holds" } else { "FAILS" };
                 println!("{verdict}: {}", check.statement);
             }
-            if let Some(remark) = self.saturation_remark() {
+            for remark in self.not_judged.iter().chain(&self.saturation_remark()) {
                 println!("{remark}");
             }
             println!("report: {}", report.display());
@@ -181,6 +184,23 @@ impl Outcome {
         })
     }
 
+    /// Checks are against theory of ideal converters: on another machine what fails is not judged.
+    pub fn note_real_machine(&mut self, profile: &str) {
+        let (held, others): (Vec<Check>, Vec<Check>) = std::mem::take(&mut self.checks)
+            .into_iter()
+            .partition(|c| c.holds);
+        self.checks = held;
+        self.not_judged = others
+            .into_iter()
+            .map(|c| {
+                format!(
+                    "not judged on {profile}, whose converters are not ideal: {}",
+                    c.statement
+                )
+            })
+            .collect();
+    }
+
     fn saturation_remark(&self) -> Option<String> {
         (!self.saturated.is_empty()).then(|| format!("saturated: {}", self.saturated.join(", ")))
     }
@@ -196,7 +216,7 @@ impl Outcome {
             .iter()
             .map(|c| serde_json::json!({ "statement": c.statement, "holds": c.holds }))
             .collect();
-        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks, "saturated": self.saturated })
+        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks, "not_judged": self.not_judged, "saturated": self.saturated })
     }
 
     fn html(&self, record: &RunRecord) -> String {
@@ -223,8 +243,15 @@ impl Outcome {
         if !self.checks.is_empty() {
             sections.push(Section::new("Checks", checks));
         }
-        if let Some(remark) = self.saturation_remark() {
-            sections.push(Section::new("Remarks", html! { p { (remark) } }));
+        let remarks: Vec<String> = self
+            .not_judged
+            .iter()
+            .cloned()
+            .chain(self.saturation_remark())
+            .collect();
+        if !remarks.is_empty() {
+            let list = html! { ul { @for remark in &remarks { li { (remark) } } } };
+            sections.push(Section::new("Remarks", list));
         }
         sections.push(Section::new("Numbers", tables));
         sections.push(Section::new("Provenance", provenance(record)));
