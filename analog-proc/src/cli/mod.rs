@@ -13,6 +13,7 @@ use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::{Arc, atomic::AtomicBool},
 };
 
 /// Exit code for a check that failed.
@@ -142,6 +143,12 @@ fn expect_output(out: &Path, patch: &Path, formats: &[&str]) -> Result<(), Failu
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    // A reader that has seen enough (`| head`) ends the program quietly.
+    let always = Arc::new(AtomicBool::new(true));
+    let pipe = signal_hook::consts::SIGPIPE;
+    if let Err(error) = signal_hook::flag::register_conditional_default(pipe, always) {
+        eprintln!("cannot catch signal {pipe}: {error}");
+    }
     let done = match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
