@@ -5,6 +5,9 @@
 //! what the pass found, and resets take the values of before the pass. Passes
 //! repeat until nothing moves; a bound turns a race into a fault. Locating the
 //! instant is the simulation's part.
+//!
+//! The arguments of square roots are judged only at rest: what guards a root, a
+//! limiter or a stop, turns at the instant at which the argument reaches zero.
 
 use crate::block::logic::Edge;
 use crate::block::piecewise::Fatal;
@@ -65,10 +68,12 @@ impl Machine {
     ) -> Result<(), RunFault> {
         let bound = SPARE_PASSES + 2 * (self.stores.len() + self.controls.len());
         let mut movers = Vec::new();
+        // Corners take rounding for rest; below a root even that counts.
+        let mut sharp = false;
         for pass in 0..bound {
             before.copy_from_slice(nets);
             let last = pass + 1 == bound;
-            let mut moved = self.pass(f, t_s, nets, happenings)?;
+            let (mut moved, negative) = self.pass(f, t_s, nets, sharp, happenings)?;
             for (i, store) in self.stores.iter().enumerate() {
                 if store.act(i, f, nets, t_s, initial, &mut happenings.edges) {
                     moved = true;
@@ -85,30 +90,45 @@ impl Machine {
                     }
                 }
             }
-            if !moved {
-                return Ok(());
+            if moved {
+                continue;
+            }
+            match negative {
+                None => return Ok(()),
+                Some(root) if sharp => {
+                    return Err(fatal(self, root, Fatal::NegativeRoot, t_s));
+                }
+                Some(_) => sharp = true,
             }
         }
         let nets = movers.iter().map(|s| self.slot_name(*s)).collect();
         Err(RunFault::LogicRace { t_s, nets })
     }
 
-    /// One pass over all blocks; true when a state moved.
+    /// One pass over all blocks: whether a state moved, and the first square root whose
+    /// argument is negative as yet.
     fn pass(
         &self,
         f: &mut Frozen,
         t_s: f64,
         nets: &mut [f64],
+        sharp: bool,
         happenings: &mut Happenings,
-    ) -> Result<bool, RunFault> {
+    ) -> Result<(bool, Option<BlockId>), RunFault> {
         let mut moved = false;
+        let mut negative = None;
         for step in &self.settle {
             match step {
                 Settle::Decide(e) => {
                     let (block, element) = self.elements[*e as usize];
-                    let choice = element
-                        .choose(*e as usize, self, f, nets)
-                        .map_err(|fault| fatal(self, block, fault, t_s))?;
+                    let choice = match element.choose(*e as usize, self, f, nets, sharp) {
+                        Ok(choice) => choice,
+                        Err(Fatal::NegativeRoot) => {
+                            negative = negative.or(Some(block));
+                            continue;
+                        }
+                        Err(fault) => return Err(fatal(self, block, fault, t_s)),
+                    };
                     moved |= choice.moved;
                     if choice.overloaded {
                         let value = element.watched_net().map_or(f64::NAN, |s| nets[s as usize]);
@@ -133,7 +153,7 @@ impl Machine {
                 }
             }
         }
-        Ok(moved)
+        Ok((moved, negative))
     }
 
     /// Name of the net in a slot, or of the block that a hidden net belongs to.

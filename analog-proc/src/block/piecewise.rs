@@ -205,27 +205,30 @@ impl Piecewise {
         }
     }
 
-    /// The fault of leaving the region within a step, where that is one.
+    /// The fault of leaving the region within a step, where that is one whatever else
+    /// happens at that instant.
     pub fn fatal(&self) -> Option<Fatal> {
         match self {
             Piecewise::Divisor { .. } => Some(Fatal::DividedByZero),
-            Piecewise::Radicand { .. } => Some(Fatal::NegativeRoot),
             _ => None,
         }
     }
 
-    /// Chooses the region from the inputs as they are, and puts it in force.
+    /// Chooses the region from the inputs as they are, and puts it in force. `sharp`: what has
+    /// no memory turns exactly at its corner, without the allowance for rounding.
     pub fn choose(
         &self,
         e: usize,
         m: &Machine,
         f: &mut Frozen,
         nets: &mut [f64],
+        sharp: bool,
     ) -> Result<Choice, Fatal> {
         let old = f.region[e];
         let known = (old != UNSET).then_some(old);
         if let Some(region) = known
             && !matches!(self, Piecewise::Stops(_))
+            && !(sharp && self.has_allowance())
             && self.margin(region, m, nets) <= 0.0
         {
             // A digital function may have new ordinates in the same region.
@@ -258,6 +261,17 @@ impl Piecewise {
             _ => {}
         }
         Ok(choice)
+    }
+
+    /// Whether the margin allows for rounding at a corner where nothing jumps.
+    fn has_allowance(&self) -> bool {
+        matches!(
+            self,
+            Piecewise::Curve(_)
+                | Piecewise::DeadZone { .. }
+                | Piecewise::Limiter { .. }
+                | Piecewise::Extremum { .. }
+        )
     }
 
     fn region(&self, known: Option<u32>, m: &Machine, nets: &[f64]) -> Result<u32, Fatal> {

@@ -68,6 +68,8 @@ pub(crate) enum Timer {
         low: f64,
         high: f64,
         frequency_hz: f64,
+        /// Half periods that lie behind at the start, 0 to 2.
+        lead: f64,
         start_s: f64,
     },
     Start {
@@ -95,10 +97,11 @@ impl Timer {
         match *self {
             Timer::Square {
                 frequency_hz,
+                lead,
                 start_s,
                 ..
             } if start_s < 0.0 && frequency_hz > 0.0 => {
-                (-start_s * 2.0 * frequency_hz).floor() as u64
+                (-start_s * 2.0 * frequency_hz + lead.fract()).floor() as u64
             }
             _ => 0,
         }
@@ -116,6 +119,7 @@ impl Timer {
             }
             Timer::Square {
                 frequency_hz,
+                lead,
                 start_s,
                 ..
             } => {
@@ -124,7 +128,7 @@ impl Timer {
                 } else if n == 0 {
                     start_s
                 } else {
-                    start_s + n as f64 / (2.0 * frequency_hz)
+                    start_s + (n as f64 - lead.fract()) / (2.0 * frequency_hz)
                 }
             }
             Timer::Noise { every_s, .. } => {
@@ -141,8 +145,11 @@ impl Timer {
     pub fn fire(&self, n: u64) -> Firing {
         match *self {
             Timer::Step { high, .. } => Firing::Value(high),
-            Timer::Square { low, high, .. } => {
-                Firing::Value(if n.is_multiple_of(2) { high } else { low })
+            Timer::Square {
+                low, high, lead, ..
+            } => {
+                let half = n + lead as u64;
+                Firing::Value(if half.is_multiple_of(2) { high } else { low })
             }
             Timer::Start { wave, .. } => Firing::Started(wave),
             Timer::Noise { noise, .. } => Firing::Renew(noise),
@@ -169,5 +176,34 @@ impl Noise {
     pub fn next(&mut self) -> f64 {
         let deviate: f64 = StandardNormal.sample(&mut self.generator);
         self.sigma * deviate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_phase_of_a_square_wave_shifts_its_edges() {
+        // Half a second a half period; `lead` of phase π/2, π, −π/2.
+        for (lead, high_first, first_edge_s) in
+            [(0.5, true, 0.25), (1.0, false, 0.5), (1.5, false, 0.25)]
+        {
+            let wave = Timer::Square {
+                low: -1.0,
+                high: 1.0,
+                frequency_hz: 1.0,
+                lead,
+                start_s: 0.0,
+            };
+            let is_high = |n| matches!(wave.fire(n), Firing::Value(v) if v > 0.0);
+            assert_eq!(wave.instant_s(0).to_bits(), 0.0_f64.to_bits());
+            for n in 1..5 {
+                let edge_s = first_edge_s + 0.5 * (n - 1) as f64;
+                assert!((wave.instant_s(n) - edge_s).abs() < 1e-15);
+                assert_eq!(is_high(n), high_first == n.is_multiple_of(2));
+            }
+            assert_eq!(is_high(0), high_first);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! `analog-proc draw`.
 
-use super::{Failure, PatchArgs, expect_folder};
+use super::{Failure, PatchArgs, expect_output};
 use crate::draw;
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ impl Draw {
         let out = self.out.unwrap_or_else(|| {
             PathBuf::from(self.patch.patch.file_stem().unwrap_or_default()).with_extension("svg")
         });
-        expect_folder(&out)?;
+        expect_output(&out, &self.patch.patch, &["svg"])?;
         let compiled = self.patch.compile()?;
         let svg = draw::svg(&compiled.ordered);
         if out.as_os_str() == "-" {

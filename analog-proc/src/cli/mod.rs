@@ -13,6 +13,7 @@ use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::{Arc, atomic::AtomicBool},
 };
 
 /// Exit code for a check that failed.
@@ -115,10 +116,39 @@ fn expect_folder(file: &Path) -> Result<(), Failure> {
     }
 }
 
+/// Refuses an output that would replace the patch, or whose name promises a format that
+/// is not written; `-` is standard output.
+fn expect_output(out: &Path, patch: &Path, formats: &[&str]) -> Result<(), Failure> {
+    if out.as_os_str() == "-" {
+        return Ok(());
+    }
+    let named = formats.join(" or .");
+    let same = matches!((out.canonicalize(), patch.canonicalize()), (Ok(o), Ok(p)) if o == p);
+    if same {
+        return Err(Failure::input(format!(
+            "--out {} is the patch itself, which would be lost; name another file, ending in .{named}",
+            out.display()
+        )));
+    }
+    match out.extension() {
+        Some(e) if !formats.iter().any(|f| e == *f) => Err(Failure::input(format!(
+            "cannot write {}: its format is not known; name a file ending in .{named}, or `-` for standard output",
+            out.display()
+        ))),
+        _ => expect_folder(out),
+    }
+}
+
 /// Runs `analog-proc` on this process' arguments.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    // A reader that has seen enough (`| head`) ends the program quietly.
+    let always = Arc::new(AtomicBool::new(true));
+    let pipe = signal_hook::consts::SIGPIPE;
+    if let Err(error) = signal_hook::flag::register_conditional_default(pipe, always) {
+        eprintln!("cannot catch signal {pipe}: {error}");
+    }
     let done = match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
@@ -133,5 +163,30 @@ pub fn main() -> ExitCode {
             }
             ExitCode::from(failure.code)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_output_replaces_the_patch_or_has_an_unknown_format() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let patch = folder.path().join("p.toml");
+        std::fs::write(&patch, "").expect("a patch");
+        let around = folder.path().join(".").join("p.toml");
+        let refusal = |out: &Path| {
+            let failure = expect_output(out, &patch, &["csv", "arrow"]).err()?;
+            assert_eq!(failure.code, BAD_INPUT);
+            Some(failure.text)
+        };
+        assert!(refusal(&around).is_some_and(|t| t.contains("the patch itself")));
+        let other = folder.path().join("q.toml");
+        assert!(refusal(&other).is_some_and(|t| t.contains(".csv or .arrow")));
+        for written in ["q.csv", "q.arrow", "q"] {
+            assert_eq!(refusal(&folder.path().join(written)), None);
+        }
+        assert_eq!(refusal(Path::new("-")), None);
     }
 }

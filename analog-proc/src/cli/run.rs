@@ -1,6 +1,6 @@
 //! `analog-proc run`: a patch by itself, recorded to a file.
 
-use super::{Failure, PatchArgs, check::Compiled, expect_folder};
+use super::{Failure, PatchArgs, check::Compiled, expect_output};
 use crate::{
     net::{Block, Kind, NetId},
     patch::suggestion,
@@ -46,7 +46,7 @@ impl Run {
                 self.every, self.until
             )));
         }
-        expect_folder(&self.out)?;
+        expect_output(&self.out, &self.patch.patch, &["csv", "arrow"])?;
         let Compiled { ordered, .. } = self.patch.compile()?;
         let names = self.recorded(&ordered)?;
         let nets: Vec<NetId> = names.iter().map(|(_, id)| *id).collect();

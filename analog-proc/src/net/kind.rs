@@ -24,7 +24,8 @@ pub enum Wave {
     Ramp,
     /// `offset + amplitude · sin(2πf(t − start_s) + phase)` from `start_s` on, `offset` before.
     Sine,
-    /// `offset ± amplitude`, high in the first half of each period from `start_s` on, `offset` before.
+    /// `offset ± amplitude` from `start_s` on, high in the first half of each period of
+    /// `2πf(t − start_s) + phase`, `offset` before.
     Square,
 }
 

@@ -114,6 +114,7 @@ impl Patch {
             Kind::Multiplier => "kind = \"multiplier\"".into(),
             Kind::Square => "kind = \"square\"".into(),
             Kind::SquareRoot => "kind = \"square-root\"".into(),
+            Kind::Max => "kind = \"max\"".into(),
             Kind::Divider => "kind = \"divider\"".into(),
             Kind::Not => "kind = \"not\"".into(),
             Kind::Time => "kind = \"time\"".into(),

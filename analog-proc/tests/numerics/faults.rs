@@ -3,7 +3,7 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
 use analog_proc::fault::RunFault;
-use analog_proc::net::{BlockId, Expected, Kind, Method, NetId, OverloadPolicy};
+use analog_proc::net::{BlockId, Expected, Kind, Level, Method, NetId, OverloadPolicy};
 use analog_proc::simulation::Simulation;
 
 #[test]
@@ -67,6 +67,46 @@ fn zero_divisors_and_negative_roots_are_located() {
             assert!((t_s - 0.25).abs() < 1e-12);
         }
         other => panic!("{other}"),
+    }
+}
+
+/// d = √(max(1 − t, 0)), the argument cut off in three ways.
+#[test]
+fn a_guarded_root_goes_on_at_zero() {
+    let limits = [0.0, 10.0];
+    let limiter = Kind::Limiter {
+        low: Level::Fixed(limits[0]),
+        high: Level::Fixed(limits[1]),
+    };
+    let stopped = Kind::Integrator {
+        ic: 1.0,
+        limits: Some(limits),
+        operate: None,
+        reset: None,
+        reset_to: None,
+    };
+    for (ramp, guard) in [
+        (integrator(1.0), limiter),
+        (integrator(1.0), Kind::Max),
+        (stopped, Kind::Summer),
+    ] {
+        let mut patch = Patch::new();
+        patch.add("one", Kind::Constant { value: 1.0 }, &[]);
+        patch.add("zero", Kind::Constant { value: 0.0 }, &[]);
+        patch.add("a", ramp, &["-1 * one"]);
+        let cut = matches!(guard, Kind::Max);
+        let inputs: &[&str] = if cut { &["a", "zero"] } else { &["a"] };
+        patch.add("p", guard, inputs);
+        let d = patch.add("d", Kind::SquareRoot, &["p"]);
+        let area = patch.add("I", integrator(0.0), &["d"]);
+        let mut simulation = patch.simulation();
+        for t_s in [0.5, 1.0, 1.5, 4.0] {
+            simulation.advance_to(tick(t_s)).unwrap();
+            let expected = (1.0 - t_s).max(0.0).sqrt();
+            // Rounding of the argument below the tolerance of the state.
+            assert!((simulation.net(d) - expected).abs() < 1e-6, "d at {t_s}");
+        }
+        close(simulation.net(area), 2.0 / 3.0, 1e-6, "area");
     }
 }
 

@@ -40,6 +40,7 @@ impl Lowering {
                             low,
                             high,
                             frequency_hz,
+                            lead: 2.0 * (phase_rad / std::f64::consts::TAU).rem_euclid(1.0),
                             start_s,
                         };
                         self.m.timers.push((o, square));
