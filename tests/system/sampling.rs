@@ -472,8 +472,15 @@ fn digital_control_loses_the_flight_that_analog_control_holds() {
             assert!(!fly(partition, 200).lost);
         }
         let slow = fly(Partition::DigitalControl, 100);
-        assert!(slow.zeta.unwrap() < 0.2, "{slow:?}");
+        // Exact eigenvalues of the pitch loop (tips, gyro, filter) sampled at 100 ms, one frame
+        // late: ζ = 0.44 at 20 s, 0.37 at 22.5 s; the answer is looked at from 20 to 25 s. An
+        // earlier bound of 0.2 stood for a weak spurious mode that was taken for the loop's.
+        assert!((0.32..0.49).contains(&slow.zeta.unwrap()), "{slow:?}");
+        // The roll loop, sampled so, has |z| = 1.3 and swings within the limits of its tips.
+        assert!(slow.worst_roll_deg > 10.0 && !slow.lost, "{slow:?}");
         assert!(fly(Partition::DigitalControl, 150).lost);
+        // Lost soon after the step: a short answer, all noise.
+        assert!(fly(Partition::DigitalControl, 200).lost);
         Ok(())
     });
 }

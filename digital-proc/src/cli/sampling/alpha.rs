@@ -199,7 +199,7 @@ impl Measure for Alpha {
         );
         outcome.table(
             "alpha",
-            "Roots of the loop, from runs and from the monodromy matrix.",
+            "The root nearest to the continuous loop's, from runs and from the monodromy matrix; the greatest |z| is that of all roots, those of the correction included.",
             table,
         );
         outcome.chart(
