@@ -3,6 +3,7 @@
 use super::{Measure, outcome::Outcome};
 use crate::{
     cli::Failure,
+    console::ConsoleFault,
     patch_source::bundle_from_path,
     progress::Progress,
     report::{
@@ -10,7 +11,7 @@ use crate::{
         plot::{Axis, LineChart, Series},
     },
     sampling::{
-        bench::Bench,
+        bench::{Bench, BenchFault},
         loop_study::{self, LoopRow},
     },
 };
@@ -50,7 +51,15 @@ impl Measure for Loop {
         let mut rows: Vec<LoopRow> = Vec::new();
         let mut progress = Progress::new(study.cases.len() as u64, "cases");
         for case in &study.cases {
-            let row = bench.study_case(&study, &bundle, case)?;
+            let row = bench
+                .study_case(&study, &bundle, case)
+                .map_err(|fault| match fault {
+                    BenchFault::Lab(_)
+                    | BenchFault::Console(
+                        ConsoleFault::Refused(_) | ConsoleFault::RunFault { .. },
+                    ) => Failure::input(study.case_fault(case, &fault)),
+                    other => other.into(),
+                })?;
             table.row([
                 row.frame_s.into(),
                 row.latency_s.into(),

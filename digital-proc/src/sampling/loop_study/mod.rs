@@ -117,6 +117,16 @@ impl LoopStudy {
         self.source().fault(self.patch.span.clone(), fault, remedy)
     }
 
+    /// What ended a run of `case` that is not the fault of the machine: a patch that refuses the
+    /// study's parameters or converters, a record that says nothing.
+    #[must_use]
+    pub fn case_fault(&self, case: &LoopCase, cause: &dyn std::fmt::Display) -> FileFault {
+        let fault = format!("frame {}, latency {}: {cause}", case.frame, case.latency);
+        let remedy = "look at this study's patch, params, stop and sweep";
+        self.source()
+            .fault(self.measure.span.clone(), fault, remedy)
+    }
+
     /// The law for one run, its channel names looked up in the loaded patch.
     ///
     /// # Errors

@@ -106,6 +106,14 @@ pub fn parse(file: &str, text: &str) -> Result<LoopStudy, FileFaults> {
             laws.push(spec);
         }
     }
+    let mut driven = Vec::new();
+    for output in laws.iter().flat_map(|law| &law.outputs) {
+        if driven.contains(&&output.name) {
+            let fault = format!("`{}` is driven twice", output.name);
+            faults.add(output.span.clone(), fault, "let one law set each DAC");
+        }
+        driven.push(&output.name);
+    }
     for (name, value) in &raw.params {
         if !value.get_ref().is_finite() {
             faults.add(
@@ -142,6 +150,15 @@ fn cases(sweep: &RawSweep, faults: &mut Faults<'_>) -> Vec<LoopCase> {
             sweep.frame.span(),
             "the sweep has no frame",
             "list at least one, as \"20ms\"",
+        );
+    }
+    if sweep.latency.as_ref().is_some_and(Vec::is_empty)
+        || sweep.bits.as_ref().is_some_and(Vec::is_empty)
+    {
+        faults.add(
+            sweep.frame.span(),
+            "the sweep has an empty list",
+            "leave out `latency` or `bits`, or list at least one",
         );
     }
     let latencies: Vec<f64> = sweep.latency.as_ref().map_or(vec![0.0], |list| {
