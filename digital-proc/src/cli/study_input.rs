@@ -11,10 +11,7 @@ use crate::{
     vehicle::Vehicle,
 };
 use interface::{Tick, profile::Profile};
-use std::{
-    fs::File,
-    path::{Path, PathBuf},
-};
+use std::{fs::File, path::PathBuf};
 
 /// Rows in one batch of a trace.
 const BATCH_ROWS: usize = 256;
@@ -138,16 +135,17 @@ impl<'a> Curves<'a> {
         name: &str,
         tick: impl Fn(usize) -> Tick,
     ) -> Result<(), Failure> {
-        let path = directory.file(name);
-        self.write_to(&path, tick).map_err(Failure::input)
+        let trace = directory.create_stream(name, &self.columns, BATCH_ROWS);
+        trace
+            .and_then(|trace| self.write_to(trace, tick))
+            .map_err(Failure::input)
     }
 
-    fn write_to(&self, path: &Path, tick: impl Fn(usize) -> Tick) -> Result<(), TraceError> {
-        let file = File::create(path).map_err(|cause| TraceError::Io {
-            path: path.to_owned(),
-            cause,
-        })?;
-        let mut trace = TraceWriter::new(file, path, &self.columns, BATCH_ROWS)?;
+    fn write_to(
+        &self,
+        mut trace: TraceWriter<File>,
+        tick: impl Fn(usize) -> Tick,
+    ) -> Result<(), TraceError> {
         let rows = self.values.iter().map(|v| v.len()).max().unwrap_or(0);
         let mut row = vec![f64::NAN; self.values.len()];
         for i in 0..rows {

@@ -1,4 +1,5 @@
-//! What a run of a loop study did: the least damped oscillatory mode of its record.
+//! What a run of a loop study did: the least damped oscillatory mode of its record, or the
+//! strongest one of a record that came through a converter.
 
 use super::{
     super::{
@@ -20,7 +21,7 @@ pub struct LoopRow {
     pub latency_s: f64,
     /// Bits, none for ideal.
     pub bits: Option<u32>,
-    /// ζ of the least damped oscillatory mode found, if any.
+    /// ζ of the oscillatory mode found, if any: the least damped, or through a converter the strongest.
     pub zeta: Option<f64>,
     /// |s| of it, rad/s.
     pub omega_rad_s: Option<f64>,

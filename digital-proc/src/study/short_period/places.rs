@@ -5,7 +5,7 @@
 //! fault of the study's file, told with its line.
 
 use super::study_file::{Event, Place, Study, StudyError};
-use crate::file_fault::{FileFault, FileFaults, Source};
+use crate::file_fault::{FileFault, FileFaults};
 use crate::slice::{self, SlicePoint};
 use crate::vehicle::Vehicle;
 
@@ -26,10 +26,7 @@ pub(super) fn flight(
 pub(super) fn times(study: &Study, vehicle: &Vehicle) -> Result<Vec<f64>, StudyError> {
     let burn_time_s = vehicle.data().mass.burn_time_s;
     let coarse = grid(vehicle, 0.0, burn_time_s, COARSE_S)?;
-    let source = Source {
-        file: &study.file,
-        text: &study.text,
-    };
+    let source = study.source();
     let mut faults: Vec<FileFault> = Vec::new();
     let mut times = Vec::with_capacity(study.points.len());
     for point in &study.points {
@@ -62,10 +59,7 @@ pub(super) fn times(study: &Study, vehicle: &Vehicle) -> Result<Vec<f64>, StudyE
 
 /// Refuses gyro stations where the vehicle's mode is not known.
 pub(super) fn gyro_stations(study: &Study, vehicle: &Vehicle) -> Result<(), FileFaults> {
-    let source = Source {
-        file: &study.file,
-        text: &study.text,
-    };
+    let source = study.source();
     let [first, last] = vehicle.gyro_stations_m();
     let outside = study.conditions.iter().filter_map(|condition| {
         let station = condition.gyro_station_m.as_ref()?;

@@ -12,7 +12,7 @@ use toml::Spanned;
 
 use super::quantity::Quantity;
 use super::study_check;
-use crate::file_fault::{self, FileFaults};
+use crate::file_fault::{self, FileFaults, Source};
 
 /// Text of the shipped study.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");
@@ -206,6 +206,14 @@ impl GainSource {
 }
 
 impl Study {
+    /// The file, for faults that only a vehicle shows.
+    pub(super) fn source(&self) -> Source<'_> {
+        Source {
+            file: &self.file,
+            text: &self.text,
+        }
+    }
+
     /// The shipped study.
     pub fn shipped() -> Result<Study, FileFaults> {
         Study::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
