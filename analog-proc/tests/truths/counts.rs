@@ -59,8 +59,6 @@ fn two_generators_meet_as_often_as_they_do() {
         let source = "a = { kind = \"signal-generator\", wave = \"sine\" }\nb = { kind = \"signal-generator\", wave = \"sine\", frequency = 0.6182 }\ns = { kind = \"summer\", in = [\"a\", \"b\"] }";
         assert_eq!(count(source, level, 1000.0), truth(level), "level {level}");
     }
-    // What the bounds prove agrees with counts known from elsewhere.
-    assert_eq!([1.9, 1.99, 1.999].map(truth), [169.0, 53.0, 17.0]);
 }
 
 #[test]
