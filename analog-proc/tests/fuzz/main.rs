@@ -1,0 +1,154 @@
+//! Random patches: does the engine, with default settings, ever give a wrong answer silently?
+//!
+//! `FUZZ_PATCHES` and `FUZZ_SEED` say how many patches of each family to try and from which
+//! seed on (400 and 0); `soak` is the same at length, on two threads. Failing patches are shrunk
+//! and printed; `FUZZ_OUT` names a folder to put them into.
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/bench.rs"]
+mod bench;
+mod generator;
+mod judge;
+mod patch;
+mod random;
+mod shrink;
+
+use judge::{Verdict, judge};
+use patch::Patch;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// No patch of this size takes a hundredth of it.
+const DEADLINE: Duration = Duration::from_secs(60);
+
+/// Failures that are shrunk; the others are counted.
+const SHRUNK: usize = 40;
+
+fn setting(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |v| v.parse().unwrap())
+}
+
+/// Judges patches `from..from + count` on some threads; the verdicts by seed.
+fn judge_all(from: u64, count: u64, threads: usize) -> BTreeMap<u64, Verdict> {
+    let next = AtomicU64::new(from);
+    let (sender, receiver) = mpsc::channel();
+    let mut verdicts = BTreeMap::new();
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= from + count {
+                        return;
+                    }
+                    let verdict = judge(&generator::patch(seed), seed);
+                    sender.send((seed, verdict)).unwrap();
+                }
+            });
+        }
+        drop(sender);
+        loop {
+            match receiver.recv_timeout(DEADLINE) {
+                Ok((seed, verdict)) => {
+                    verdicts.insert(seed, verdict);
+                }
+                Err(mpsc::RecvTimeoutError::Disconnected) => break,
+                Err(mpsc::RecvTimeoutError::Timeout) => {
+                    let seed = (from..).find(|s| !verdicts.contains_key(s)).unwrap();
+                    eprintln!("seed {seed} hangs:\n{}", generator::patch(seed).text());
+                    std::process::exit(1);
+                }
+            }
+        }
+    });
+    verdicts
+}
+
+/// Kinds of a patch's blocks, what every patch has left out.
+fn kinds(patch: &Patch) -> String {
+    let mut kinds: Vec<&str> = patch.blocks.iter().map(|b| b.kind).collect();
+    kinds.retain(|k| *k != "constant");
+    kinds.sort_unstable();
+    kinds.dedup();
+    kinds.join("+")
+}
+
+/// Reports verdicts; panics where one is wrong, or too many say nothing.
+fn report(verdicts: &BTreeMap<u64, Verdict>) {
+    let count = |f: fn(&Verdict) -> bool| verdicts.values().filter(|v| f(v)).count();
+    let all = verdicts.len();
+    let sensitive = count(|v| *v == Verdict::Sensitive);
+    let refused = count(|v| matches!(v, Verdict::Refused(_)));
+    let unfit = count(|v| matches!(v, Verdict::Unfit(_)));
+    println!(
+        "{all} patches: {} agree, {} end in the same fault, {sensitive} are ill-conditioned, {refused} are refused, {unfit} are unfit",
+        count(|v| *v == Verdict::Agreed),
+        count(|v| *v == Verdict::SameFault),
+    );
+    let mut wrong = 0;
+    let out = std::env::var("FUZZ_OUT").ok();
+    for (seed, verdict) in verdicts {
+        if let Verdict::Refused(text) = verdict {
+            println!("seed {seed} refused: {text}");
+        }
+        if let Verdict::Unfit(text) = verdict
+            && text != "too large"
+        {
+            println!("seed {seed} unfit: {text}");
+        }
+        let Verdict::Wrong(text) = verdict else {
+            continue;
+        };
+        wrong += 1;
+        if wrong > setting("FUZZ_SHRINK", SHRUNK as u64) {
+            println!("seed {seed}: {text}");
+            continue;
+        }
+        let patch = generator::patch(*seed);
+        let fails = |p: &Patch| matches!(judge(p, *seed), Verdict::Wrong(_));
+        let small = shrink::shrink(&patch, fails);
+        let Verdict::Wrong(text) = judge(&small, *seed) else {
+            continue;
+        };
+        let report = format!(
+            "# seed {seed}, until = {} s, kinds {}\n# {text}\n{}",
+            small.until_s,
+            kinds(&small),
+            small.text()
+        );
+        println!("{report}");
+        if let Some(folder) = &out {
+            std::fs::write(format!("{folder}/{seed}.toml"), report).unwrap();
+        }
+    }
+    assert_eq!(wrong, 0, "patches with silently wrong answers");
+    assert!(
+        100 * sensitive < 3 * all.max(34),
+        "{sensitive} of {all} ill-conditioned"
+    );
+    assert!(100 * refused < all.max(100), "{refused} of {all} refused");
+}
+
+#[test]
+fn random_patches_agree_with_their_references() {
+    let verdicts = judge_all(setting("FUZZ_SEED", 0), setting("FUZZ_PATCHES", 400), 1);
+    report(&verdicts);
+}
+
+#[test]
+#[ignore = "half an hour: .ci/soak"]
+fn soak() {
+    let verdicts = judge_all(setting("FUZZ_SEED", 0), setting("FUZZ_PATCHES", 100_000), 2);
+    report(&verdicts);
+}
+
+#[test]
+fn patches_repeat_by_seed() {
+    for seed in 0..200 {
+        assert_eq!(generator::patch(seed), generator::patch(seed));
+    }
+}
