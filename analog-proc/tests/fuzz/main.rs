@@ -12,7 +12,10 @@ mod generator;
 mod judge;
 mod patch;
 mod random;
+#[path = "../common/roots.rs"]
+mod roots;
 mod shrink;
+mod truth;
 
 use judge::{Verdict, judge};
 use patch::Patch;
@@ -137,6 +140,44 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
 fn random_patches_agree_with_their_references() {
     let verdicts = judge_all(setting("FUZZ_SEED", 0), setting("FUZZ_PATCHES", 400), 1);
     report(&verdicts);
+}
+
+/// Patches of known events, `count` of them.
+fn truths(from: u64, count: u64) {
+    let mut open = 0;
+    let mut wrong = Vec::new();
+    for seed in from..from + count {
+        match truth::judge(seed) {
+            Ok(true) => {}
+            Ok(false) => open += 1,
+            Err(text) => {
+                if wrong.len() < 20 {
+                    println!("{text}");
+                }
+                wrong.push(seed);
+            }
+        }
+    }
+    println!(
+        "{count} patches of known events: {open} leave their counts open, {} are wrong",
+        wrong.len()
+    );
+    assert!(wrong.is_empty(), "{} are wrong: {wrong:?}", wrong.len());
+    assert!(
+        100 * open <= 3 * count.max(34),
+        "{open} of {count} leave their counts open"
+    );
+}
+
+#[test]
+fn known_events_are_all_found() {
+    truths(setting("FUZZ_SEED", 0), setting("FUZZ_PATCHES", 400));
+}
+
+#[test]
+#[ignore = "minutes: .ci/soak"]
+fn soak_of_known_events() {
+    truths(setting("FUZZ_SEED", 0), setting("FUZZ_PATCHES", 100_000));
 }
 
 #[test]
