@@ -19,6 +19,7 @@ mod friction;
 mod integrals;
 mod order;
 mod polynomials;
+mod shipped;
 mod sizes;
 
 use std::f64::consts::TAU;
