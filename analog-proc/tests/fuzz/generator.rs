@@ -295,7 +295,11 @@ impl Draft {
                 self.peaks[i] = Some(1.0);
             }
             "arctangent" => {
-                let inputs = vec![self.term(i), self.term(i)];
+                let mut inputs = vec![self.term(i), self.term(i)];
+                if inputs[0].net == inputs[1].net {
+                    // A vector along one line has no angle where it turns back.
+                    inputs[1].net = "n00".into();
+                }
                 self.blocks[i].inputs = inputs;
             }
             "resolver" => {
