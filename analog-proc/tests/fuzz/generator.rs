@@ -171,6 +171,18 @@ impl Draft {
         }
     }
 
+    /// Whether a net depends on a delay's output within the instant.
+    fn is_delayed(&self, net: &str) -> bool {
+        let Some(block) = self.blocks.iter().find(|b| b.drives(net)) else {
+            return false;
+        };
+        match block.kind {
+            "transport-delay" => true,
+            _ if block.is_store() => false,
+            _ => block.inputs.iter().any(|t| self.is_delayed(&t.net)),
+        }
+    }
+
     fn logic(&mut self, i: usize) -> Option<String> {
         let nets = self.nets(i, true);
         if nets.is_empty() {
@@ -288,8 +300,14 @@ impl Draft {
             "sine" | "cosine" => {
                 let mut inputs = self.terms(i, 2);
                 for term in &mut inputs {
-                    // Of time or an angle: up to some turns a second.
-                    term.c *= self.random.decade(1.0, 15.0);
+                    // Of time or an angle up to some turns a second; round a delay it would
+                    // fold the past ever finer.
+                    let turns = self.random.decade(1.0, 15.0);
+                    term.c *= if self.is_delayed(&term.net) {
+                        0.7
+                    } else {
+                        turns
+                    };
                 }
                 self.blocks[i].inputs = inputs;
                 self.peaks[i] = Some(1.0);
@@ -304,7 +322,10 @@ impl Draft {
             }
             "resolver" => {
                 let mut inputs = vec![self.term(i), self.term(i), self.term(i)];
-                inputs[2].c *= self.random.decade(1.0, 6.0);
+                let turns = self.random.decade(1.0, 6.0);
+                if !self.is_delayed(&inputs[2].net) {
+                    inputs[2].c *= turns;
+                }
                 self.blocks[i].inputs = inputs;
             }
             "divider" => {
@@ -417,7 +438,7 @@ impl Draft {
                     term.c *= 0.4;
                 }
                 self.blocks[i].inputs = inputs;
-                let delay = self.random.decade(0.05, 1.2);
+                let delay = self.random.decade(0.1, 1.2);
                 self.set(i, "delay", Field::Number(delay));
                 self.number(i, "initial", -0.5, 0.5);
             }

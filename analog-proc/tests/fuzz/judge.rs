@@ -50,6 +50,8 @@ pub enum Verdict {
     Sensitive,
     /// Values too large, or a patch that the compiler refuses.
     Unfit(String),
+    /// Not done within the deadline.
+    Endless,
     /// Silently wrong.
     Wrong(String),
 }
