@@ -10,17 +10,15 @@
 use interface::Tick;
 
 use crate::block::dac::DacPiece;
-use crate::block::delay::POINTS;
 use crate::block::logic::Edge;
-use crate::event::Happenings;
 use crate::fault::RunFault;
-use crate::integrate::{Scheme, Step};
-use crate::machine::{Frozen, Machine};
+use crate::machine::Machine;
 use crate::mode::{Mismatch, Mode};
 use crate::net::{BlockId, Expected, Integration, Method, NetId, OverloadPolicy};
 use crate::operate::{Engine, Recorder};
 use crate::order::Ordered;
 use crate::overload::LatchedOverload;
+use crate::remark::Remark;
 
 /// How far a call came.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,39 +88,7 @@ impl Simulation {
         let integration = ordered.netlist.integration;
         check(&integration)?;
         let machine = Machine::new(ordered)?;
-        let frozen: Frozen = machine.frozen();
-        let (states, slots) = (machine.states, machine.slots);
-        let watched = machine.watched.len();
-        let atol: Vec<f64> = machine
-            .scales
-            .iter()
-            .map(|s| s * integration.atol)
-            .collect();
-        let engine = Engine {
-            frozen,
-            ics: machine.ics.clone(),
-            nets: machine.initial_nets.clone(),
-            probe: machine.initial_nets.clone(),
-            before: vec![0.0; slots],
-            step: Step::new(states),
-            scheme: Scheme::new(integration.method, states),
-            atol,
-            integration,
-            t_s: 0.0,
-            next_step_s: 0.0,
-            former_error: 1e-4,
-            margins: vec![0.0; watched],
-            margins_low: vec![0.0; watched],
-            margins_high: vec![0.0; watched],
-            margins_start: vec![0.0; watched],
-            delay_samples: vec![[0.0; POINTS]; machine.lines.len()],
-            happenings: Happenings::default(),
-            overloads: Vec::new(),
-            chatter_from_s: 0.0,
-            chatter: 0,
-            statistics: Statistics::default(),
-            machine,
-        };
+        let engine = Engine::new(machine, integration);
         let mut simulation = Simulation {
             engine,
             mode: Mode::InitialCondition,
@@ -399,6 +365,12 @@ impl Simulation {
             each(number, self);
         }
         Ok(())
+    }
+
+    /// What the reader of the results should know, since the last reset.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<Remark> {
+        self.engine.remarks()
     }
 
     /// Counts since the last reset.

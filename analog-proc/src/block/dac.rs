@@ -3,6 +3,8 @@
 //! A straight line (slope zero for a zero-order hold), reached from the former
 //! value through a first-order settling where the profile has one.
 
+use crate::signal::Signal;
+
 /// One transfer to a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DacPiece {
@@ -79,5 +81,23 @@ impl Hold {
             value += self.residue * (-since_s / self.piece.settling_s).exp();
         }
         value
+    }
+
+    /// The output with its rate.
+    #[inline(always)]
+    pub fn signal<N: Signal>(&self, t_s: f64) -> N {
+        N::of_time(t_s, self.at_time(t_s), || {
+            let piece = &self.piece;
+            let mut rate = if self.constant {
+                0.0
+            } else {
+                piece.slope_per_s
+            };
+            if self.residue != 0.0 {
+                let fading = self.residue * (-(t_s - piece.from_s) / piece.settling_s).exp();
+                rate -= fading / piece.settling_s;
+            }
+            rate
+        })
     }
 }

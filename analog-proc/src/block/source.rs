@@ -7,6 +7,8 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::signal::Signal;
+
 /// A ramp or a sine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Waveform {
@@ -26,7 +28,7 @@ pub(crate) enum Waveform {
 
 impl Waveform {
     #[inline]
-    pub fn at(&self, t_s: f64, started: bool) -> f64 {
+    pub fn signal<N: Signal>(&self, t_s: f64, started: bool) -> N {
         match *self {
             Waveform::Ramp {
                 offset,
@@ -34,9 +36,9 @@ impl Waveform {
                 start_s,
             } => {
                 if started {
-                    offset + slope * (t_s - start_s)
+                    N::of_time(t_s, offset + slope * (t_s - start_s), || slope)
                 } else {
-                    offset
+                    N::constant(offset)
                 }
             }
             Waveform::Sine {
@@ -46,12 +48,14 @@ impl Waveform {
                 phase_rad,
                 start_s,
             } => {
-                if started {
-                    let turns = frequency_hz * (t_s - start_s);
-                    offset + amplitude * (std::f64::consts::TAU * turns + phase_rad).sin()
-                } else {
-                    offset
+                if !started {
+                    return N::constant(offset);
                 }
+                let turns = frequency_hz * (t_s - start_s);
+                let angle = std::f64::consts::TAU * turns + phase_rad;
+                N::of_time(t_s, offset + amplitude * angle.sin(), || {
+                    std::f64::consts::TAU * frequency_hz * amplitude * angle.cos()
+                })
             }
         }
     }
