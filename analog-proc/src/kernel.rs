@@ -294,7 +294,7 @@ impl Machine {
                 net!(o) = crate::op::dead_zone(f.region[e as usize], u, net!(width));
             }
             Step::SinCos { o, a, w: [w] } => {
-                let (sin, cos) = (w * net!(a)).sin_cos();
+                let (sin, cos) = libm::sincos(w * net!(a));
                 net!(o) = sin;
                 net!(o + 1) = cos;
             }

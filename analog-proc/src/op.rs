@@ -348,10 +348,10 @@ impl Machine {
             Op::Product { o, a, b, c } => net!(o) = c * net!(a) * net!(b),
             Op::Quotient { o, a, b, c } => net!(o) = c * net!(a) / net!(b),
             Op::Root { o, a, c } => net!(o) = root(c * net!(a)),
-            Op::Sine { o, a, c } => net!(o) = (c * net!(a)).sin(),
-            Op::Cosine { o, a, c } => net!(o) = (c * net!(a)).cos(),
+            Op::Sine { o, a, c } => net!(o) = libm::sin(c * net!(a)),
+            Op::Cosine { o, a, c } => net!(o) = libm::cos(c * net!(a)),
             Op::SinCos { o, a, c } => {
-                let (sin, cos) = (c * net!(a)).sin_cos();
+                let (sin, cos) = libm::sincos(c * net!(a));
                 net!(o) = sin;
                 net!(o + 1) = cos;
             }

@@ -1,5 +1,5 @@
 //! The machine as a user meets it: two real processes, started, joined, killed.
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used, clippy::disallowed_methods, missing_docs)]
 
 mod bench_top;
 mod case_study;

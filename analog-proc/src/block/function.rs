@@ -4,7 +4,7 @@
 /// `sheet` 0 was entered with y ≥ 0, 1 with y < 0. The sheet changes by an event.
 #[inline]
 pub(crate) fn arctangent(y: f64, x: f64, sheet: u32) -> f64 {
-    let principal = y.atan2(x);
+    let principal = libm::atan2(y, x);
     if x >= 0.0 {
         principal
     } else if sheet == 0 && y < 0.0 {

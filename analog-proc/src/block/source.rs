@@ -3,9 +3,7 @@
 //! What is constant between edges (step, square, noise) is written to its net
 //! by a timer; ramp and sine are evaluated in the pass, after their start.
 
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
+use interface::deviate::Normal;
 
 /// A ramp or a sine.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +46,7 @@ impl Waveform {
             } => {
                 if started {
                     let turns = frequency_hz * (t_s - start_s);
-                    offset + amplitude * (std::f64::consts::TAU * turns + phase_rad).sin()
+                    offset + amplitude * libm::sin(std::f64::consts::TAU * turns + phase_rad)
                 } else {
                     offset
                 }
@@ -162,20 +160,19 @@ impl Timer {
 #[derive(Clone, Debug)]
 pub(crate) struct Noise {
     sigma: f64,
-    generator: Xoshiro256PlusPlus,
+    deviates: Normal,
 }
 
 impl Noise {
     pub fn new(sigma: f64, seed: u64) -> Noise {
         Noise {
             sigma,
-            generator: Xoshiro256PlusPlus::seed_from_u64(seed),
+            deviates: Normal::seeded(seed),
         }
     }
 
     pub fn next(&mut self) -> f64 {
-        let deviate: f64 = StandardNormal.sample(&mut self.generator);
-        self.sigma * deviate
+        self.sigma * self.deviates.draw()
     }
 }
 
