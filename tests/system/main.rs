@@ -9,6 +9,7 @@ mod faults;
 mod flight;
 mod frame_cycle;
 mod gain_design;
+mod golden;
 mod long_period;
 mod partition;
 mod replay;
