@@ -43,7 +43,7 @@ pub(crate) trait Signal:
 /// `sheet` 0 was entered with y ≥ 0, 1 with y < 0. The sheet changes by an event.
 #[inline]
 fn arctangent(y: f64, x: f64, sheet: u32) -> f64 {
-    let principal = y.atan2(x);
+    let principal = libm::atan2(y, x);
     // The sign of the angle tells the sign of y, that of a zero too.
     if x >= 0.0 {
         principal
@@ -74,17 +74,17 @@ impl Signal for f64 {
 
     #[inline(always)]
     fn sin_cos(self) -> (f64, f64) {
-        f64::sin_cos(self)
+        libm::sincos(self)
     }
 
     #[inline(always)]
     fn sin(self) -> f64 {
-        f64::sin(self)
+        libm::sin(self)
     }
 
     #[inline(always)]
     fn cos(self) -> f64 {
-        f64::cos(self)
+        libm::cos(self)
     }
 
     #[inline(always)]

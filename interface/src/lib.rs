@@ -3,11 +3,12 @@
 //! It depends on neither. It defines problem time ([`Tick`]), the frames that
 //! cross at sampled rates ([`frame`]), the slow control plane ([`control`]),
 //! and two links behind one pair of traits ([`link`]).
-#![cfg_attr(test, allow(clippy::unwrap_used))]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod coefficient;
 pub mod control;
 pub mod converter;
+pub mod deviate;
 pub mod frame;
 pub mod hold;
 pub mod link;

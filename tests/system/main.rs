@@ -1,5 +1,5 @@
 //! The machine as a user meets it: two real processes, started, joined, killed.
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used, clippy::disallowed_methods, missing_docs)]
 
 mod bench_top;
 mod case_study;
@@ -9,6 +9,7 @@ mod faults;
 mod flight;
 mod frame_cycle;
 mod gain_design;
+mod golden;
 mod long_period;
 mod partition;
 mod replay;

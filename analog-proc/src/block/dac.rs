@@ -78,7 +78,7 @@ impl Hold {
         let since_s = t_s - self.piece.from_s;
         let mut value = self.piece.value + self.piece.slope_per_s * since_s;
         if self.residue != 0.0 {
-            value += self.residue * (-since_s / self.piece.settling_s).exp();
+            value += self.residue * libm::exp(-since_s / self.piece.settling_s);
         }
         value
     }
@@ -94,7 +94,7 @@ impl Hold {
                 piece.slope_per_s
             };
             if self.residue != 0.0 {
-                let fading = self.residue * (-(t_s - piece.from_s) / piece.settling_s).exp();
+                let fading = self.residue * libm::exp(-(t_s - piece.from_s) / piece.settling_s);
                 rate -= fading / piece.settling_s;
             }
             rate

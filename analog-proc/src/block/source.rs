@@ -3,9 +3,7 @@
 //! What is constant between edges (step, square, noise) is written to its net
 //! by a timer; ramp and sine are evaluated in the pass, after their start.
 
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
+use interface::deviate::Normal;
 
 use crate::signal::Signal;
 
@@ -53,8 +51,8 @@ impl Waveform {
                 }
                 let turns = frequency_hz * (t_s - start_s);
                 let angle = std::f64::consts::TAU * turns + phase_rad;
-                N::of_time(t_s, offset + amplitude * angle.sin(), || {
-                    std::f64::consts::TAU * frequency_hz * amplitude * angle.cos()
+                N::of_time(t_s, offset + amplitude * libm::sin(angle), || {
+                    std::f64::consts::TAU * frequency_hz * amplitude * libm::cos(angle)
                 })
             }
         }
@@ -166,20 +164,19 @@ impl Timer {
 #[derive(Clone, Debug)]
 pub(crate) struct Noise {
     sigma: f64,
-    generator: Xoshiro256PlusPlus,
+    deviates: Normal,
 }
 
 impl Noise {
     pub fn new(sigma: f64, seed: u64) -> Noise {
         Noise {
             sigma,
-            generator: Xoshiro256PlusPlus::seed_from_u64(seed),
+            deviates: Normal::seeded(seed),
         }
     }
 
     pub fn next(&mut self) -> f64 {
-        let deviate: f64 = StandardNormal.sample(&mut self.generator);
-        self.sigma * deviate
+        self.sigma * self.deviates.draw()
     }
 }
 

@@ -7,7 +7,7 @@
 //! modes are told apart rather than fitted together. Neither knows the theory.
 
 use crate::sampling::theory::{C64, equivalent_root};
-use nalgebra::{DMatrix, Matrix3, Schur, Vector3};
+use nalgebra::{ComplexField, DMatrix, Matrix3, Schur, Vector3};
 use serde::Serialize;
 
 /// Why nothing could be identified.
@@ -70,7 +70,7 @@ pub fn fit_sine(
     let mut normal = Matrix3::zeros();
     let mut right = Vector3::zeros();
     for (t, y) in times_s.iter().zip(values) {
-        let (s, c) = (omega_rad_s * t).sin_cos();
+        let (s, c) = libm::sincos(omega_rad_s * t);
         let row = Vector3::new(1.0, s, c);
         normal += row * row.transpose();
         right += row * *y;
@@ -84,14 +84,14 @@ pub fn fit_sine(
         .iter()
         .zip(values)
         .map(|(t, y)| {
-            let (sin, cos) = (omega_rad_s * t).sin_cos();
+            let (sin, cos) = libm::sincos(omega_rad_s * t);
             (y - mean - s * sin - c * cos).powi(2)
         })
         .sum();
     Ok(SineFit {
         mean,
-        amplitude: s.hypot(c),
-        phase_rad: c.atan2(s),
+        amplitude: libm::hypot(s, c),
+        phase_rad: libm::atan2(c, s),
         residual_rms: (square / n as f64).sqrt(),
     })
 }
@@ -99,7 +99,7 @@ pub fn fit_sine(
 /// Phase of `sin` and `cos` correlations `∫y sin ωt dt`, `∫y cos ωt dt` over whole periods, rad.
 #[must_use]
 pub fn correlated_phase_rad(sine: f64, cosine: f64) -> f64 {
-    cosine.atan2(sine)
+    libm::atan2(cosine, sine)
 }
 
 /// Difference of two angles brought to (−π, π].
@@ -157,7 +157,7 @@ pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, Ide
         .ok_or(IdentifyError::NoConvergence)?
         .complex_eigenvalues();
     Ok(z.iter()
-        .filter(|z| z.norm() > 1e-9)
+        .filter(|z| z.modulus() > 1e-9)
         .map(|z| equivalent_root(*z, period_s))
         .collect())
 }
@@ -171,7 +171,10 @@ pub fn strongest(
     roots: &[C64],
     candidates: impl Fn(&C64) -> bool,
 ) -> Option<C64> {
-    let z: Vec<C64> = roots.iter().map(|s| (s * period_s).exp()).collect();
+    let z: Vec<C64> = roots
+        .iter()
+        .map(|s| ComplexField::exp(s * period_s))
+        .collect();
     let modes = DMatrix::from_fn(samples.len(), z.len(), |n, k| {
         z[k].powi(i32::try_from(n).unwrap_or(i32::MAX))
     });
@@ -211,8 +214,8 @@ fn right_singular_vectors(matrix: DMatrix<f64>) -> Option<(Vec<f64>, DMatrix<f64
                 }
                 rotated = true;
                 let zeta = (beta - alpha) / (2.0 * gamma);
-                let t = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
+                let t = zeta.signum() / (zeta.abs() + libm::hypot(zeta, 1.0));
+                let c = 1.0 / libm::hypot(t, 1.0);
                 let s = c * t;
                 for m in [&mut a, &mut v] {
                     for i in 0..m.nrows() {

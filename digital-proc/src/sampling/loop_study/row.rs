@@ -10,6 +10,7 @@ use super::{
     },
     LoopCase,
 };
+use nalgebra::ComplexField;
 use serde::Serialize;
 
 /// One row of the answer.
@@ -66,7 +67,7 @@ impl LoopCase {
             latency_s: self.latency.secs(),
             bits: self.bits,
             zeta: least.map(damping_ratio),
-            omega_rad_s: least.map(|s| s.norm()),
+            omega_rad_s: least.map(|s| s.modulus()),
             growth_per_cycle: least.map(growth_per_cycle),
             last_over_first: peak(&record[record.len() - tenth..]) / peak(&record[..tenth]),
         })
