@@ -171,9 +171,7 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
                 Ok(None)
             }
             Some(updates) => self.admit(updates, frame).map(Some),
-            None if self.wire.gone_within(std::time::Duration::ZERO) => {
-                Err(died(&self.wire, frame))
-            }
+            None if self.wire.gone() => Err(died(&self.wire, frame)),
             None => Ok(None),
         }
     }

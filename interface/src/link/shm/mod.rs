@@ -18,6 +18,7 @@ use self::{
 };
 use super::{
     LinkFault,
+    bell::Bell,
     end::{AnalogEnd, AnalogWire, DigitalEnd, DigitalWire, died},
     waiting::{Limit, Patience, Watch, wait},
 };
@@ -156,7 +157,9 @@ pub struct DigitalPorts {
 
 impl AnalogWire for AnalogPorts {
     fn put_samples(&mut self, samples: &Samples, _lossy: bool) -> Result<(), LinkFault> {
-        publish(&self.samples, SamplesWire(*samples))
+        publish(&self.samples, SamplesWire(*samples))?;
+        self.peer.bell.ring();
+        Ok(())
     }
 
     fn take_updates(&mut self) -> Result<Option<Updates>, LinkFault> {
@@ -167,15 +170,15 @@ impl AnalogWire for AnalogPorts {
     }
 
     fn take_request(&mut self) -> Result<Option<Request>, LinkFault> {
-        self.server.take()
+        self.server.take(&self.peer.bell)
     }
 
     fn put_reply(&mut self, reply: &Reply) -> Result<(), LinkFault> {
-        self.server.reply(reply)
+        self.server.reply(reply, &self.peer.bell)
     }
 
     fn reply_gone(&mut self) -> Result<bool, LinkFault> {
-        self.server.reply_gone()
+        self.server.reply_gone(&self.peer.bell)
     }
 }
 
@@ -188,15 +191,17 @@ impl DigitalWire for DigitalPorts {
     }
 
     fn put_updates(&mut self, updates: &Updates, _lossy: bool) -> Result<(), LinkFault> {
-        publish(&self.updates, UpdatesWire(*updates))
+        publish(&self.updates, UpdatesWire(*updates))?;
+        self.peer.bell.ring();
+        Ok(())
     }
 
     fn put_request(&mut self, request: &Request) -> Result<(), LinkFault> {
-        self.client.put(request)
+        self.client.put(request, &self.peer.bell)
     }
 
     fn take_reply(&mut self) -> Result<Option<Reply>, LinkFault> {
-        self.client.take()
+        self.client.take(&self.peer.bell)
     }
 }
 
@@ -205,6 +210,7 @@ impl DigitalWire for DigitalPorts {
 struct Peer {
     side: Side,
     partner: Option<Partner>,
+    bell: Bell,
     session: Session,
 }
 
@@ -228,9 +234,12 @@ impl Peer {
                 detail: "it ended before the link was open".to_owned(),
             });
         }
+        let bell = Bell::mapped(&session.root().join("bell"), session.side())
+            .map_err(fault("mapping the session's bell"))?;
         Ok(Peer {
             side: session.side().partner(),
             partner,
+            bell,
             session: session.clone(),
         })
     }
@@ -256,9 +265,9 @@ impl Peer {
                 .and_then(|node| ports(&node).map(|ports| (node, ports)));
             match made {
                 Ok(made) => return Ok(made),
-                Err(_) if self.gone_within(Duration::from_millis(1)) => return Err(died(self, 0)),
+                Err(_) if self.gone() => return Err(died(self, 0)),
                 Err(fault) if started.elapsed() > limit => return Err(fault),
-                Err(_) => {}
+                Err(_) => std::thread::sleep(Duration::from_millis(1)),
             }
         }
     }
@@ -280,14 +289,12 @@ impl Watch for Peer {
         self.side
     }
 
-    fn gone_within(&self, slice: Duration) -> bool {
-        match &self.partner {
-            Some(partner) => partner.ended_within(slice),
-            None => {
-                std::thread::sleep(slice);
-                false
-            }
-        }
+    fn bell(&self) -> &Bell {
+        &self.bell
+    }
+
+    fn gone(&self) -> bool {
+        self.partner.as_ref().is_some_and(Partner::ended)
     }
 
     fn left(&self) -> bool {
@@ -311,8 +318,11 @@ macro_rules! watch_by_peer {
             fn side(&self) -> Side {
                 self.peer.side()
             }
-            fn gone_within(&self, slice: Duration) -> bool {
-                self.peer.gone_within(slice)
+            fn bell(&self) -> &Bell {
+                self.peer.bell()
+            }
+            fn gone(&self) -> bool {
+                self.peer.gone()
             }
             fn left(&self) -> bool {
                 self.peer.left()
