@@ -181,6 +181,12 @@ impl Bell {
         self.stay_awake();
     }
 
+    /// Says that this side has closed its end for good.
+    pub(super) fn close(&self) {
+        self.door(self.side).closed.store(1, Ordering::Release);
+        self.ring();
+    }
+
     /// Whether the partner has closed its end.
     pub(super) fn partner_closed(&self) -> bool {
         self.door(self.side.partner())
@@ -213,8 +219,7 @@ impl Bell {
 
 impl Drop for Bell {
     fn drop(&mut self) {
-        self.door(self.side).closed.store(1, Ordering::Release);
-        self.ring();
+        self.close();
     }
 }
 

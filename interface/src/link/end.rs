@@ -60,6 +60,10 @@ pub struct DigitalEnd<W> {
 }
 
 impl<W> AnalogEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> AnalogEnd<W> {
         AnalogEnd {
             wire,
@@ -76,6 +80,10 @@ impl<W> AnalogEnd<W> {
 }
 
 impl<W> DigitalEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> DigitalEnd<W> {
         DigitalEnd {
             wire,
