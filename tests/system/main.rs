@@ -14,3 +14,4 @@ mod partition;
 mod replay;
 mod sampling;
 mod sessions;
+mod surroundings;
