@@ -15,3 +15,4 @@ mod partition;
 mod replay;
 mod sampling;
 mod sessions;
+mod surroundings;

@@ -60,6 +60,10 @@ pub struct DigitalEnd<W> {
 }
 
 impl<W> AnalogEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> AnalogEnd<W> {
         AnalogEnd {
             wire,
@@ -76,6 +80,10 @@ impl<W> AnalogEnd<W> {
 }
 
 impl<W> DigitalEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> DigitalEnd<W> {
         DigitalEnd {
             wire,
@@ -171,9 +179,7 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
                 Ok(None)
             }
             Some(updates) => self.admit(updates, frame).map(Some),
-            None if self.wire.gone_within(std::time::Duration::ZERO) => {
-                Err(died(&self.wire, frame))
-            }
+            None if self.wire.gone() => Err(died(&self.wire, frame)),
             None => Ok(None),
         }
     }
