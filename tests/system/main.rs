@@ -10,6 +10,7 @@ mod flight;
 mod frame_cycle;
 mod gain_design;
 mod long_period;
+mod loop_study;
 mod partition;
 mod replay;
 mod sampling;
