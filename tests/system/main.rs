@@ -11,6 +11,7 @@ mod frame_cycle;
 mod gain_design;
 mod golden;
 mod long_period;
+mod loop_study;
 mod partition;
 mod replay;
 mod sampling;

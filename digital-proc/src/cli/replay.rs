@@ -1,6 +1,6 @@
 //! `digital-proc replay`: a recorded flight once more, compared bit by bit.
 
-use super::{Context, Failure, JoinArgs, fly::BATCH_ROWS};
+use super::{Context, Failure, JoinArgs, fly::BATCH_ROWS, runs::open_run};
 use crate::{
     console::{Console, ConsoleFault},
     file_fault::Source,
@@ -12,7 +12,7 @@ use crate::{
     progress::Progress,
     run_dir::{
         DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
-        TRANSFERS_FILE, Trace, TraceWriter, first_difference, resolve,
+        TRANSFERS_FILE, Trace, TraceWriter, first_difference,
     },
 };
 use serde_json::json;
@@ -43,9 +43,9 @@ pub struct Replay {
 
 impl Replay {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
-        let directory = resolve(&self.runs, &self.run).map_err(Failure::input)?;
+        let directory = open_run(&self.runs, &self.run)?;
         let path = directory.file(RECORD_FILE);
-        let text = std::fs::read_to_string(&path)
+        let text = interface::user_file::read_text(&path)
             .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
         let file = path.display().to_string();
         let source = Source {

@@ -9,7 +9,7 @@ use crate::{
 };
 use std::{
     io::{self, Write},
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 /// Name of the page that `plot` writes into the run's directory.
@@ -67,8 +67,19 @@ pub struct Plot {
 
 impl Which {
     fn open(&self) -> Result<RunDirectory, Failure> {
-        resolve(&self.runs, &self.run).map_err(Failure::input)
+        open_run(&self.runs, &self.run)
     }
+}
+
+/// The run that a user means by `text`. Where it is only the beginning of a name, the run that
+/// was taken is told.
+pub(super) fn open_run(base: &Path, text: &str) -> Result<RunDirectory, Failure> {
+    let directory = resolve(base, text).map_err(Failure::input)?;
+    let name = directory.name();
+    if name != text && name.starts_with(text) {
+        eprintln!("run {name}");
+    }
+    Ok(directory)
 }
 
 impl List {
@@ -91,6 +102,7 @@ impl List {
             for run in &runs {
                 let state = match run.state {
                     RunState::Complete => "complete  ",
+                    RunState::Unreadable => "unreadable",
                     RunState::Unfinished => "unfinished",
                 };
                 writeln!(out, "{:width$}  {state}  {}", run.name, run.command)?;

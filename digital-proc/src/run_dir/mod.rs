@@ -31,6 +31,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use interface::user_file;
 use serde::Serialize;
 
 /// Where runs are kept unless the user says otherwise.
@@ -98,14 +99,18 @@ impl RunDirectory {
     /// # Errors
     /// `path` is no directory or holds no `run.toml`.
     pub fn open(path: &Path) -> Result<RunDirectory, RunDirError> {
-        if path.join(RECORD_FILE).is_file() {
-            return Ok(RunDirectory {
+        match holds_record(path) {
+            Ok(true) => Ok(RunDirectory {
                 path: path.to_owned(),
-            });
+            }),
+            Ok(false) => Err(RunDirError::NotARun {
+                path: path.to_owned(),
+            }),
+            Err(cause) => Err(RunDirError::Read {
+                path: path.join(RECORD_FILE),
+                cause,
+            }),
         }
-        Err(RunDirError::NotARun {
-            path: path.to_owned(),
-        })
     }
 
     /// The directory itself.
@@ -240,7 +245,18 @@ impl RunDirectory {
 
     fn read_file(&self, name: &str) -> Result<String, RunDirError> {
         let path = self.file(name);
-        fs::read_to_string(&path).map_err(|cause| RunDirError::Read { path, cause })
+        user_file::read_text(&path).map_err(|cause| RunDirError::Read { path, cause })
+    }
+}
+
+/// Whether there is a record in `directory`; the system's reason where it does not say.
+fn holds_record(directory: &Path) -> io::Result<bool> {
+    match fs::metadata(directory.join(RECORD_FILE)) {
+        Ok(about) => Ok(about.is_file()),
+        Err(cause) => match cause.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Ok(false),
+            _ => Err(cause),
+        },
     }
 }
 

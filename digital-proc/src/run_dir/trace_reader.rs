@@ -16,6 +16,11 @@ use arrow_schema::{DataType, Schema};
 
 use super::trace::{Column, TICK_COLUMN, UNIT_KEY};
 use super::{RunDirError, TraceError};
+use interface::user_file;
+
+/// Longest trace that is read, bytes; it is held in memory twice. A day of flight at a frame of
+/// 10 ms has less.
+const LONGEST_TRACE: u64 = 4 << 30;
 
 /// A trace in memory, column by column.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +38,7 @@ impl Trace {
     /// # Errors
     /// The file cannot be read, ends before its column names, or is no trace.
     pub fn read(path: &Path) -> Result<Trace, TraceError> {
-        let bytes = std::fs::read(path).map_err(|cause| TraceError::Io {
+        let bytes = user_file::read(path, LONGEST_TRACE).map_err(|cause| TraceError::Io {
             path: path.to_owned(),
             cause,
         })?;

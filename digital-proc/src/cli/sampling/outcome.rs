@@ -52,6 +52,8 @@ pub struct Outcome {
     pub tables: Vec<Titled>,
     pub figures: Vec<Figure>,
     pub checks: Vec<Check>,
+    /// What the tables' own remarks mean.
+    pub remarks: Vec<String>,
     /// What was measured but not judged.
     pub not_judged: Vec<String>,
     /// Converters and coefficients that reached the end of their range, by name.
@@ -76,6 +78,7 @@ impl Outcome {
             tables: Vec::new(),
             figures: Vec::new(),
             checks: Vec::new(),
+            remarks: Vec::new(),
             not_judged: Vec::new(),
             saturated: Vec::new(),
             parameters: toml::Table::new(),
@@ -164,7 +167,7 @@ impl Outcome {
                 let verdict = if check.holds { "holds" } else { "FAILS" };
                 println!("{verdict}: {}", check.statement);
             }
-            for remark in self.not_judged.iter().chain(&self.saturation_remark()) {
+            for remark in self.all_remarks() {
                 println!("{remark}");
             }
             println!("report: {}", report.display());
@@ -201,8 +204,11 @@ impl Outcome {
             .collect();
     }
 
-    fn saturation_remark(&self) -> Option<String> {
-        (!self.saturated.is_empty()).then(|| format!("saturated: {}", self.saturated.join(", ")))
+    fn all_remarks(&self) -> Vec<String> {
+        let saturated = (!self.saturated.is_empty())
+            .then(|| format!("saturated: {}", self.saturated.join(", ")));
+        let own = self.remarks.iter().chain(&self.not_judged).cloned();
+        own.chain(saturated).collect()
     }
 
     fn json(&self) -> serde_json::Value {
@@ -216,7 +222,7 @@ impl Outcome {
             .iter()
             .map(|c| serde_json::json!({ "statement": c.statement, "holds": c.holds }))
             .collect();
-        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks, "not_judged": self.not_judged, "saturated": self.saturated })
+        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks, "remarks": self.remarks, "not_judged": self.not_judged, "saturated": self.saturated })
     }
 
     fn html(&self, record: &RunRecord) -> String {
@@ -243,12 +249,7 @@ impl Outcome {
         if !self.checks.is_empty() {
             sections.push(Section::new("Checks", checks));
         }
-        let remarks: Vec<String> = self
-            .not_judged
-            .iter()
-            .cloned()
-            .chain(self.saturation_remark())
-            .collect();
+        let remarks = self.all_remarks();
         if !remarks.is_empty() {
             let list = html! { ul { @for remark in &remarks { li { (remark) } } } };
             sections.push(Section::new("Remarks", list));
@@ -273,7 +274,7 @@ fn csv(table: &Table) -> Result<Vec<u8>, csv::Error> {
         let cell = |i: usize| match row.get(i) {
             Some(Cell::Number(value)) => value.to_string(),
             Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
-            None => String::new(),
+            Some(Cell::Missing) | None => String::new(),
         };
         writer.write_record((0..table.headings.len()).map(cell))?;
     }
