@@ -4,6 +4,7 @@
 mod bench_top;
 mod case_study;
 mod determinism;
+mod endings;
 mod exercises;
 mod faults;
 mod flight;

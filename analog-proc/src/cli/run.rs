@@ -8,7 +8,7 @@ use crate::{
     simulation::Simulation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
-use interface::Tick;
+use interface::{Tick, note, say};
 use std::{
     path::PathBuf,
     time::{Duration, Instant},
@@ -51,7 +51,7 @@ impl Run {
         let names = self.recorded(&ordered)?;
         let nets: Vec<NetId> = names.iter().map(|(_, id)| *id).collect();
         let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
-        let write = |f: RecordFault| Failure::input(f);
+        let write = |f: RecordFault| Failure::output(f);
         let mut recorder =
             Recorder::create(&self.out, names.iter().map(|(n, _)| n.as_str())).map_err(write)?;
         let progress = Progress::new(self.until);
@@ -81,13 +81,13 @@ impl Run {
             })
             .collect();
         for line in &overloads {
-            eprintln!("{line}");
+            note!("{line}");
         }
         let advance = end.map_err(|f| {
             Failure::input(format!("{f}\nrecorded up to there: {}", self.out.display()))
         })?;
         if advance.stopped_by.is_some() {
-            eprintln!(
+            note!(
                 "the run ended at {} by the patch's overload policy",
                 advance.reached
             );
@@ -98,12 +98,12 @@ impl Run {
             let report = serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads });
             // Standard output may be taken by the record.
             if to_file {
-                println!("{report}");
+                say!("{report}");
             } else {
-                eprintln!("{report}");
+                note!("{report}");
             }
         } else if to_file {
-            println!(
+            say!(
                 "{}: {} steps ({} rejected), {} events; recorded to {}",
                 self.until,
                 s.steps,

@@ -209,7 +209,7 @@ impl RunDirectory {
         rows_per_batch: usize,
     ) -> Result<TraceWriter<File>, TraceError> {
         let path = self.file(name);
-        let file = File::create(&path).map_err(|cause| TraceError::Io {
+        let file = File::create(&path).map_err(|cause| TraceError::Write {
             path: path.clone(),
             cause,
         })?;
@@ -235,7 +235,11 @@ impl RunDirectory {
             File::create(&partial)?.write_all(bytes)?;
             fs::rename(&partial, &path)
         };
-        write().map_err(|cause| RunDirError::Write { path, cause })
+        write().map_err(|cause| {
+            // Half a file is of no use to anybody; if this fails too, the reason is the same.
+            let _ = fs::remove_file(&partial);
+            RunDirError::Write { path, cause }
+        })
     }
 
     fn read_file(&self, name: &str) -> Result<String, RunDirError> {
