@@ -186,7 +186,7 @@ impl Fly {
         console.bye()?;
         drop(machine);
 
-        let trace = directory.read_trace()?;
+        let trace = directory.read_trace_thinned()?;
         let results = results(&vehicle, &summary);
         let mut json = results.json();
         let mut context = self.report_context(&vehicle);

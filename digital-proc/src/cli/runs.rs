@@ -135,7 +135,7 @@ impl Plot {
     pub fn execute(self) -> Result<(), Failure> {
         let directory = self.which.open()?;
         let record = directory.read_record()?;
-        let trace = directory.read_trace()?;
+        let trace = directory.read_trace_thinned()?;
         let html = trace_report(&directory.name(), &trace, &record);
         let path = match self.out {
             Some(path) => {

@@ -14,7 +14,9 @@ mod error;
 mod export;
 mod list;
 mod record;
+mod thin;
 mod trace;
+mod trace_messages;
 mod trace_reader;
 mod utc;
 
@@ -222,6 +224,14 @@ impl RunDirectory {
     /// As [`Trace::read`].
     pub fn read_trace(&self) -> Result<Trace, TraceError> {
         Trace::read(&self.file(TRACE_FILE))
+    }
+
+    /// The same for figures: of a long trace only what a picture shows.
+    ///
+    /// # Errors
+    /// As [`Trace::read`].
+    pub fn read_trace_thinned(&self) -> Result<Trace, TraceError> {
+        Trace::read_thinned(&self.file(TRACE_FILE))
     }
 
     /// Writes any further small file whole or not at all.
