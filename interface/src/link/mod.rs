@@ -38,6 +38,14 @@ pub enum LinkFault {
         /// Seconds waited.
         waited_s: f64,
     },
+    /// The other process was stopped, as by Ctrl-Z, and not continued.
+    #[error("{side} was stopped by a signal and does not go on (frame {frame})")]
+    Stopped {
+        /// `analog-proc` or `digital-proc`.
+        side: &'static str,
+        /// Frame waited for.
+        frame: u64,
+    },
     /// A frame or message out of order.
     #[error("protocol violation at frame {frame}: {detail}")]
     Protocol {
@@ -67,6 +75,7 @@ impl LinkFault {
     pub(crate) fn at_frame(mut self, number: u64) -> LinkFault {
         if let LinkFault::PartnerDied { frame, .. }
         | LinkFault::Deadline { frame, .. }
+        | LinkFault::Stopped { frame, .. }
         | LinkFault::Protocol { frame, .. }
         | LinkFault::Interrupted { frame } = &mut self
         {
