@@ -17,7 +17,7 @@ pub enum RunFault {
         block: String,
         /// Its net.
         net: String,
-        /// `output` or `derivative`.
+        /// `output`, `derivative` or `the value recorded`.
         what: &'static str,
     },
     /// The divisor of a divider reached zero.
@@ -69,6 +69,12 @@ pub enum RunFault {
         block: String,
         /// Number of events.
         events: u32,
+    },
+    /// Whoever attended the run ended it.
+    #[error("stopped at t = {t_s} s")]
+    Halted {
+        /// Problem time, s.
+        t_s: f64,
     },
     /// An integration setting is out of range.
     #[error("integration setting `{setting}` = {value} is out of range")]

@@ -2,13 +2,29 @@
 
 use crate::bench_top::{ANALOG, BenchTop, DIGITAL, partner_of, runs, signal, until, wait_within};
 use rustix::process::Signal;
-use std::{fs::OpenOptions, process::Command, time::Duration};
+use std::{fs::OpenOptions, path::PathBuf, process::Command, time::Duration};
 
 /// Each ends a run in good order.
 const SIGNALS: [Signal; 4] = [Signal::INT, Signal::TERM, Signal::HUP, Signal::QUIT];
 const NOTICE: Duration = Duration::from_secs(1);
 const INTERRUPTED: Option<i32> = Some(130);
 const OUTPUT_FAILED: Option<i32> = Some(4);
+
+/// x follows a cosine at 1e13 a second: 3e12 steps a second.
+const STIFF_PATCH: &str = r#"
+title = "stiff"
+[blocks]
+s = { kind = "integrator", in = ["c"], ic = 0.0 }
+c = { kind = "integrator", in = ["-1 * s"], ic = 1.0 }
+x = { kind = "integrator", in = ["-1e13 * x", "1e13 * c"], ic = 1.0 }
+"#;
+
+fn stiff_patch(bench: &BenchTop) -> PathBuf {
+    std::fs::create_dir_all(bench.runs()).unwrap();
+    let path = bench.runs().join("stiff.toml");
+    std::fs::write(&path, STIFF_PATCH).unwrap();
+    path
+}
 
 /// A file that is always full.
 fn full() -> std::process::Stdio {
@@ -43,6 +59,35 @@ fn every_ending_signal_ends_a_flight_and_an_idle_session() {
         assert_eq!(output.status.code(), INTERRUPTED, "{ending:?}");
         assert!(took < NOTICE, "{ending:?}: {took:?}");
         bench.assert_clean();
+    }
+}
+
+#[test]
+fn a_run_that_integrates_heeds_signals_and_keeps_its_rows() {
+    let bench = BenchTop::alone();
+    let patch = stiff_patch(&bench);
+    for ending in SIGNALS {
+        let out = bench.runs().join("rows.csv");
+        let run = bench
+            .command(
+                ANALOG,
+                &["run", "--until", "1ms", "--every", "1ns", "--out"],
+            )
+            .args([&out, &patch])
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(300));
+        signal(run.id(), ending);
+        let (output, took) = wait_within(run, Duration::from_secs(10));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), INTERRUPTED, "{ending:?}: {text}");
+        assert!(
+            text.contains("interrupted") && text.contains(" s"),
+            "{text}"
+        );
+        assert!(took < NOTICE, "{ending:?}: {took:?}");
+        let rows = std::fs::read_to_string(&out).unwrap();
+        assert!(rows.lines().count() > 10 && rows.ends_with('\n'));
     }
 }
 

@@ -5,11 +5,13 @@
 
 mod check;
 mod draw;
+mod estimate;
+mod progress;
 mod run;
 mod serve;
 
 use clap::{Args, Parser, Subcommand};
-use interface::command_line::{self, BAD_INPUT, OUTPUT_FAILED};
+use interface::command_line::{self, BAD_INPUT, INTERRUPTED, OUTPUT_FAILED};
 use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
@@ -93,6 +95,13 @@ impl Failure {
         Failure {
             code: OUTPUT_FAILED,
             text: error.to_string(),
+        }
+    }
+
+    fn interrupted(text: String) -> Failure {
+        Failure {
+            code: INTERRUPTED,
+            text,
         }
     }
 }

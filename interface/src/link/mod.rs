@@ -103,6 +103,12 @@ pub trait AnalogPort {
     /// # Errors
     /// As [`AnalogPort::await_updates`].
     fn poll_updates(&mut self, frame: u64) -> Result<Option<Updates>, LinkFault>;
+    /// Looks whether somebody still waits for this side, which is computing; cheap enough
+    /// to be asked every few microseconds.
+    ///
+    /// # Errors
+    /// [`LinkFault`] when the partner is gone or this process was interrupted.
+    fn attend(&mut self) -> Result<(), LinkFault>;
     /// Waits for the next request, as long as the partner lives.
     ///
     /// # Errors
