@@ -10,6 +10,7 @@ mod faults;
 mod flight;
 mod frame_cycle;
 mod gain_design;
+mod kills;
 mod long_period;
 mod partition;
 mod replay;
