@@ -193,7 +193,7 @@ impl Simulation {
         self.advance_attended(t, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// As [`Simulation::advance_to`], asking `attendant` about every thousand derivative
+    /// As [`Simulation::advance_to`], asking `attendant` every few thousand derivative
     /// passes whether to go on; when and what it answers alters nothing else.
     ///
     /// # Errors
@@ -267,7 +267,8 @@ impl Simulation {
             });
         }
         self.mode = Mode::Operate;
-        let mut heed = Heed::new(self.engine.step.evaluations, attendant);
+        let passes = self.engine.step.evaluations;
+        let mut heed = Heed::new(self.engine.machine.states, passes, attendant);
         let result = self.engine.operate(t.secs(), recorder, &mut heed);
         let stopped_by = self.keep(result)?;
         if stopped_by.is_some() {
