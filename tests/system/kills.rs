@@ -131,6 +131,17 @@ fn of_base(bench: &BenchTop) -> Vec<u32> {
         .collect()
 }
 
+/// The prefix of every session of the base that has one.
+fn of_sessions(bench: &BenchTop) -> BTreeSet<String> {
+    let sessions = std::fs::read_dir(bench.base());
+    let prefix = |e: std::fs::DirEntry| std::fs::read_to_string(e.path().join("prefix")).ok();
+    let sessions = sessions.into_iter().flatten().flatten();
+    sessions
+        .filter_map(prefix)
+        .filter(|p| p.ends_with('_'))
+        .collect()
+}
+
 /// Files of shared memory that a process has mapped, by the prefix of its session.
 fn prefixes(pid: u32) -> BTreeSet<String> {
     let maps = std::fs::read_to_string(format!("/proc/{pid}/maps")).unwrap_or_default();
@@ -207,7 +218,8 @@ fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
     } else {
         NOTICE_MAKING
     };
-    let mut known = prefixes(child.id());
+    let mut known = of_sessions(bench);
+    known.extend(prefixes(child.id()));
     known.extend(analog.map(prefixes).unwrap_or_default());
     if kill_analog {
         // It may not have come yet, or have gone: then the digital side ends by itself.
@@ -247,6 +259,7 @@ fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
 /// lost its partner leaves nothing.
 fn survivors_end(bench: &BenchTop, limit: Duration, known: &BTreeSet<String>, told: &str) {
     let mut known = known.clone();
+    known.extend(of_sessions(bench));
     let mut cleaned = false;
     for pid in of_base(bench) {
         known.extend(prefixes(pid));
@@ -436,13 +449,14 @@ fn flight_under_strace(
             text(&output)
         );
     }
-    let left = left(bench, &BTreeSet::new());
+    let known = of_sessions(bench);
+    let left = left(bench, &known);
     if !left.is_empty() {
         assert!(
             code != Some(PARTNER_FAILED),
             "{told}: left by a survivor: {left:?}"
         );
-        swept(bench, &BTreeSet::new(), told);
+        swept(bench, &known, told);
     }
 }
 

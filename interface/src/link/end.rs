@@ -66,6 +66,10 @@ pub struct DigitalEnd<W> {
 }
 
 impl<W> AnalogEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> AnalogEnd<W> {
         AnalogEnd {
             wire,
@@ -83,6 +87,10 @@ impl<W> AnalogEnd<W> {
 }
 
 impl<W> DigitalEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> DigitalEnd<W> {
         DigitalEnd {
             wire,
@@ -178,7 +186,7 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
                 Ok(None)
             }
             Some(updates) => self.admit(updates, frame).map(Some),
-            None if self.wire.gone_within(Duration::ZERO) => Err(died(&self.wire, frame)),
+            None if self.wire.gone() => Err(died(&self.wire, frame)),
             None => Ok(None),
         }
     }
@@ -190,7 +198,7 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
             return Ok(());
         }
         self.looked = Some(Instant::now());
-        if self.wire.gone_within(Duration::ZERO) {
+        if self.wire.gone() {
             return Err(died(&self.wire, frame));
         }
         Ok(())

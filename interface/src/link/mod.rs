@@ -2,6 +2,7 @@
 //!
 //! Every call has a deadline and notices a dead partner; none waits for ever.
 
+mod bell;
 mod end;
 pub mod memory;
 pub mod shm;
