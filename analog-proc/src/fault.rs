@@ -17,7 +17,7 @@ pub enum RunFault {
         block: String,
         /// Its net.
         net: String,
-        /// `output` or `derivative`.
+        /// `output`, `derivative` or `the value recorded`.
         what: &'static str,
     },
     /// The divisor of a divider reached zero.
@@ -91,6 +91,12 @@ pub enum RunFault {
         t_s: f64,
         /// The block.
         block: String,
+    },
+    /// Whoever attended the run ended it.
+    #[error("stopped at t = {t_s} s")]
+    Halted {
+        /// Problem time, s.
+        t_s: f64,
     },
     /// An integration setting is out of range.
     #[error("integration setting `{setting}` = {value} is out of range")]

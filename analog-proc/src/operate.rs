@@ -11,6 +11,7 @@
 
 mod crossing;
 mod guard;
+mod heed;
 mod instants;
 mod past;
 mod recorder;
@@ -19,7 +20,10 @@ mod size;
 mod stepping;
 mod watch;
 
-pub(crate) use recorder::Recorder;
+pub(crate) use heed::Heed;
+pub use heed::{Attendant, Pulse};
+pub use recorder::Sink;
+pub(crate) use recorder::{Cut, Recorder};
 
 use crate::block::dac::Hold;
 use crate::block::pace::Paces;
@@ -212,6 +216,34 @@ impl Engine {
         self.step.f1.last().copied().unwrap_or(0.0)
     }
 
+    pub fn pulse(&self) -> Pulse {
+        Pulse {
+            t_s: self.t_s,
+            statistics: Statistics {
+                evaluations: self.step.evaluations,
+                ..self.statistics
+            },
+            step_rate: self
+                .scheme
+                .step_rate(&self.step, &self.atol, self.integration.rtol),
+        }
+    }
+
+    fn cut_short(&self, cut: Cut) -> RunFault {
+        match cut {
+            Cut::Sink => RunFault::Halted { t_s: self.t_s },
+            Cut::NonFinite(slot, t_s) => {
+                let block = self.machine.block_of_slot.get(slot as usize);
+                RunFault::NonFinite {
+                    t_s,
+                    block: block.map_or_else(String::new, |b| self.machine.block_name(*b)),
+                    net: self.machine.slot_name(slot),
+                    what: "the value recorded",
+                }
+            }
+        }
+    }
+
     /// Settles at the present instant and restarts the integration there. `generation`
     /// is given where delay lines must pass the event on.
     fn settle(&mut self, initial: bool, generation: Option<u8>) -> Result<(), RunFault> {
@@ -278,13 +310,17 @@ impl Engine {
         lines.map(|line| line.input.of(&self.rated_start)).collect()
     }
 
-    /// Operates until `stop_s`, or until an overload stops it.
+    /// Operates until `stop_s`, or until an overload or the attendant stops it.
     pub fn operate(
         &mut self,
         stop_s: f64,
         mut recorder: Option<&mut Recorder<'_>>,
+        heed: &mut Heed<'_>,
     ) -> Result<Option<LatchedOverload>, RunFault> {
         while self.t_s < stop_s {
+            if heed.is_due(self.step.evaluations) && heed.ask(&self.pulse()).is_break() {
+                return Err(RunFault::Halted { t_s: self.t_s });
+            }
             let known = self.overloads.len();
             let mut target_s = stop_s.min(self.next_instant_s());
             if !self.scheme.adaptive() {
@@ -312,6 +348,9 @@ impl Engine {
             if let Some(recorder) = recorder.as_deref_mut() {
                 while recorder.next_s() <= self.t_s {
                     recorder.record(&self.nets);
+                }
+                if let Some(cut) = recorder.cut() {
+                    return Err(self.cut_short(cut));
                 }
             }
             if self.overloads.len() > known && self.integration.overload != OverloadPolicy::Continue

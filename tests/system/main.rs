@@ -4,12 +4,14 @@
 mod bench_top;
 mod case_study;
 mod determinism;
+mod endings;
 mod exercises;
 mod faults;
 mod flight;
 mod frame_cycle;
 mod gain_design;
 mod golden;
+mod kills;
 mod long_period;
 mod loop_study;
 mod partition;

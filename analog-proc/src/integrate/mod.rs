@@ -166,6 +166,15 @@ impl Scheme {
         }
     }
 
+    /// Length of the last step, which [`Step::advance`] has made the past, times the fastest
+    /// rate met in it.
+    pub fn step_rate(&self, step: &Step, atol: &[f64], rtol: f64) -> Option<f64> {
+        match self {
+            Scheme::DormandPrince(method) => method.step_rate(step, atol, rtol),
+            _ => None,
+        }
+    }
+
     /// The right-hand side has changed: forget what was learnt about it.
     pub fn restart(&mut self) {
         if let Scheme::Sdirk4(method) = self {

@@ -8,6 +8,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod attention;
 mod blocks_exact;
 mod events;
 mod faults;

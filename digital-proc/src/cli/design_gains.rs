@@ -23,7 +23,7 @@ use crate::{
         long_period::run::LongPeriodPlan,
     },
 };
-use interface::profile::Profile;
+use interface::{note, profile::Profile, say};
 use serde::Serialize;
 
 /// Design the gain schedules: interval by interval on the short-period pitch loop,
@@ -105,9 +105,11 @@ impl DesignGains {
             effort,
             &mut |i, of, interval| {
                 let [from, to] = interval.judged_s;
-                eprintln!(
+                note!(
                     "interval {i} of {of}, {from}–{to} s: cost {:.2} -> {:.2} in {} evaluations",
-                    interval.first_cost, interval.cost, interval.evaluations
+                    interval.first_cost,
+                    interval.cost,
+                    interval.evaluations
                 );
             },
         )?;
@@ -118,7 +120,7 @@ impl DesignGains {
             &plan,
             &design.schedule,
             |level, flights| {
-                eprintln!(
+                note!(
                     "{} switchings: {:.1} kPa deg after {flights} flights",
                     level.schedule.switch_time_s.len() - 1,
                     level.max_q_alpha_padeg / 1e3
@@ -182,33 +184,33 @@ impl DesignGains {
         )?;
         if self.machine.json {
             let json = serde_json::to_string_pretty(all).map_err(Failure::input)?;
-            println!("{json}");
+            say!("{json}");
             return all.verdict();
         }
-        println!("Criteria\n{}", criteria_table(&all.design.criteria).text());
-        println!(
+        say!("Criteria\n{}", criteria_table(&all.design.criteria).text());
+        say!(
             "Designed by {} runs\n{}",
             all.design.runs,
             design_table(&all.design).text()
         );
-        println!("{designed}");
-        println!("{}", as_toml("gains", "shipped", &shipped));
-        println!(
+        say!("{designed}");
+        say!("{}", as_toml("gains", "shipped", &shipped));
+        say!(
             "Fewer switchings by {} trial flights\n{}",
             all.merging.flights,
             merging_table(&levels).text()
         );
-        println!("{reduced}");
-        println!(
+        say!("{reduced}");
+        say!(
             "{}",
             as_toml("gains_reduced", "shipped", &data.gains_reduced)
         );
-        println!(
+        say!(
             "The shipped reduced schedule seen by the short-period model\n{}",
             evaluation_table(&all.shipped_reduced).text()
         );
         if let Some(worst) = worst(&all.shipped_reduced).filter(|w| !w.accepted()) {
-            println!(
+            say!(
                 "It overshoots most at {} ({} s): {}.",
                 worst.point,
                 worst.time_s,
@@ -218,7 +220,7 @@ impl DesignGains {
                     .map_or("it diverges".to_owned(), |v| format!("{:.0} %", 100.0 * v))
             );
         }
-        println!(
+        say!(
             "schedules: {}\nreport: {}",
             file.display(),
             report.display()

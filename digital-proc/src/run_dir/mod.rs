@@ -14,7 +14,9 @@ mod error;
 mod export;
 mod list;
 mod record;
+mod thin;
 mod trace;
+mod trace_messages;
 mod trace_reader;
 mod utc;
 
@@ -214,7 +216,7 @@ impl RunDirectory {
         rows_per_batch: usize,
     ) -> Result<TraceWriter<File>, TraceError> {
         let path = self.file(name);
-        let file = File::create(&path).map_err(|cause| TraceError::Io {
+        let file = File::create(&path).map_err(|cause| TraceError::Write {
             path: path.clone(),
             cause,
         })?;
@@ -229,6 +231,14 @@ impl RunDirectory {
         Trace::read(&self.file(TRACE_FILE))
     }
 
+    /// The same for figures: of a long trace only what a picture shows.
+    ///
+    /// # Errors
+    /// As [`Trace::read`].
+    pub fn read_trace_thinned(&self) -> Result<Trace, TraceError> {
+        Trace::read_thinned(&self.file(TRACE_FILE))
+    }
+
     /// Writes any further small file whole or not at all.
     ///
     /// # Errors
@@ -240,7 +250,11 @@ impl RunDirectory {
             File::create(&partial)?.write_all(bytes)?;
             fs::rename(&partial, &path)
         };
-        write().map_err(|cause| RunDirError::Write { path, cause })
+        write().map_err(|cause| {
+            // Half a file is of no use to anybody; if this fails too, the reason is the same.
+            let _ = fs::remove_file(&partial);
+            RunDirError::Write { path, cause }
+        })
     }
 
     fn read_file(&self, name: &str) -> Result<String, RunDirError> {

@@ -126,6 +126,11 @@ impl Watch for Presence {
         "its end of the link was dropped".to_owned()
     }
 
+    /// The threads of a process stop together.
+    fn stopped(&self) -> bool {
+        false
+    }
+
     /// A thread that still holds its end counts as computing: it cannot vanish
     /// unnoticed, so only the busy limit bounds a wait for it.
     fn cpu_time(&self) -> Option<Duration> {
@@ -172,6 +177,9 @@ macro_rules! watch_by_presence {
             }
             fn epitaph(&self) -> String {
                 self.presence.epitaph()
+            }
+            fn stopped(&self) -> bool {
+                self.presence.stopped()
             }
             fn cpu_time(&self) -> Option<Duration> {
                 self.presence.cpu_time()

@@ -12,7 +12,8 @@
 //!
 //! It refuses to wait for ever. A partner that lives but neither answers nor
 //! computes for [`Patience::silence`] has hung; one that uses processor time is
-//! working, and may for [`Patience::busy_limit`]. Between runs the analog side alone
+//! working, and may for [`Patience::busy_limit`]; one that was stopped (Ctrl-Z, SIGSTOP)
+//! may be so for [`STOPPED`]. Between runs the analog side alone
 //! waits without a limit, for as long as its partner lives: somebody may be thinking
 //! about the next request.
 
@@ -44,6 +45,10 @@ const SLICE_ARRIVAL: Duration = Duration::from_micros(50);
 const SLICE_MAX: Duration = Duration::from_millis(20);
 /// Longest time between two looks at the partner's place in the session.
 const LOOK: Duration = Duration::from_millis(40);
+/// A partner that was stopped is given up after this time: within two seconds of its stop,
+/// and not for a stop of one second. A process that is merely slow, or starved of the
+/// processor, is not in that state, nor is one in a debugger.
+const STOPPED: Duration = Duration::from_millis(1500);
 /// A partner that uses more than this share of a core while it is silent is
 /// computing. An idle wait with sleeps of [`SLICE_MAX`] uses about a thousandth.
 const BUSY_SHARE: f64 = 0.01;
@@ -105,6 +110,8 @@ pub trait Watch {
     fn left(&self) -> bool;
     /// How it ended.
     fn epitaph(&self) -> String;
+    /// Whether it was stopped and not continued, where that can be told.
+    fn stopped(&self) -> bool;
     /// Processor time used so far, where it can be told.
     fn cpu_time(&self) -> Option<Duration>;
 }
@@ -160,6 +167,7 @@ pub(super) fn wait<W: Watch, T>(
         }
     }
     let mut looked = Instant::now();
+    let mut stopped: Option<Instant> = None;
     let mut window: Option<Window> = None;
     loop {
         patience.check_interrupt(frame)?;
@@ -184,16 +192,25 @@ pub(super) fn wait<W: Watch, T>(
         if !gone && looked.elapsed() > LOOK {
             gone = watch.left();
             looked = Instant::now();
+            stopped = stopped.or(Some(looked)).filter(|_| watch.stopped());
         }
         // Once more even when it is gone: its last message may have come first.
         if let Some(found) = attempt(watch)? {
             return Ok(found);
         }
         if gone {
+            // In one process both sides hear of an interrupt, and either may leave first.
+            patience.check_interrupt(frame)?;
             return Err(LinkFault::PartnerDied {
                 side: watch.side().name(),
                 frame,
                 detail: watch.epitaph(),
+            });
+        }
+        if limit != Limit::Unlimited && stopped.is_some_and(|s| s.elapsed() > STOPPED) {
+            return Err(LinkFault::Stopped {
+                side: watch.side().name(),
+                frame,
             });
         }
         let over = match limit {

@@ -85,12 +85,24 @@ impl Partner {
         }
     }
 
+    /// Its line in /proc from the third field (its state) on: after its name, which may
+    /// hold spaces.
+    fn stat(&self) -> Option<String> {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.pid)).ok()?;
+        Some(stat.rsplit_once(") ")?.1.to_owned())
+    }
+
+    /// Whether a signal has stopped the process; a debugger does not count.
+    #[must_use]
+    pub fn stopped(&self) -> bool {
+        self.stat().is_some_and(|fields| fields.starts_with('T'))
+    }
+
     /// CPU time that the process has used so far; `None` when it is gone.
     #[must_use]
     pub fn cpu_time(&self) -> Option<Duration> {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.pid)).ok()?;
-        // Fields 14 and 15 (user and system time), counted after the name, which may hold spaces.
-        let fields = stat.rsplit_once(") ")?.1;
+        // Fields 14 and 15: user and system time.
+        let fields = self.stat()?;
         let ticks: u64 = fields
             .split(' ')
             .skip(11)

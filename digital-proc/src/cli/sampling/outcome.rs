@@ -1,6 +1,6 @@
 //! What an experiment came to, and how it leaves the program: terminal, CSV, report, JSON.
 
-use super::super::{Failure, MachineArgs, failure::CHECK_FAILED};
+use super::super::{Failure, MachineArgs};
 use crate::{
     report::{
         Cell, Numbering, Section, Table, page,
@@ -9,6 +9,7 @@ use crate::{
     },
     run_dir::{PatchIdentity, RunDirectory, RunRecord, Seed, UtcSecond},
 };
+use interface::{command_line::CHECK_FAILED, say};
 use maud::html;
 use std::{collections::BTreeMap, path::Path};
 
@@ -130,7 +131,7 @@ impl Outcome {
         patch_hash: String,
     ) -> Result<(), Failure> {
         let command = format!("sampling-{}", self.name);
-        let directory = RunDirectory::create(out, &command, started).map_err(Failure::input)?;
+        let directory = RunDirectory::create(out, &command, started)?;
         let link = machine.join.link_name();
         let record = RunRecord {
             patch: Some(PatchIdentity {
@@ -141,36 +142,32 @@ impl Outcome {
             parameters: self.parameters.clone(),
             ..RunRecord::begin(format!("sampling {}", self.name), started, profile, link)
         };
-        directory.write_record(&record).map_err(Failure::input)?;
+        directory.write_record(&record)?;
         for titled in &self.tables {
             let csv = csv(&titled.table).map_err(Failure::input)?;
-            directory
-                .write_file(&format!("{}.csv", titled.name), &csv)
-                .map_err(Failure::input)?;
+            directory.write_file(&format!("{}.csv", titled.name), &csv)?;
         }
         let json = self.json();
-        directory.write_summary(&json).map_err(Failure::input)?;
-        let report = directory
-            .write_report(&self.html(&record))
-            .map_err(Failure::input)?;
+        directory.write_summary(&json)?;
+        let report = directory.write_report(&self.html(&record))?;
         if machine.json {
-            println!("{json:#}");
+            say!("{json:#}");
         } else {
-            println!("{}", self.title);
+            say!("{}", self.title);
             for titled in &self.tables {
-                println!("\n{}\n{}", titled.caption, titled.table.text().trim_end());
+                say!("\n{}\n{}", titled.caption, titled.table.text().trim_end());
             }
             if !self.checks.is_empty() {
-                println!();
+                say!();
             }
             for check in &self.checks {
                 let verdict = if check.holds { "holds" } else { "FAILS" };
-                println!("{verdict}: {}", check.statement);
+                say!("{verdict}: {}", check.statement);
             }
             for remark in self.all_remarks() {
-                println!("{remark}");
+                say!("{remark}");
             }
-            println!("report: {}", report.display());
+            say!("report: {}", report.display());
         }
         let failed: Vec<&str> = self
             .checks

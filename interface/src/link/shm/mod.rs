@@ -369,6 +369,10 @@ impl Watch for Peer {
             .map_or_else(|| "it never came".to_owned(), Partner::epitaph)
     }
 
+    fn stopped(&self) -> bool {
+        self.partner().is_some_and(Partner::stopped)
+    }
+
     fn cpu_time(&self) -> Option<Duration> {
         self.partner().and_then(Partner::cpu_time)
     }
@@ -391,6 +395,9 @@ macro_rules! watch_by_peer {
             }
             fn epitaph(&self) -> String {
                 self.peer.epitaph()
+            }
+            fn stopped(&self) -> bool {
+                self.peer.stopped()
             }
             fn cpu_time(&self) -> Option<Duration> {
                 self.peer.cpu_time()
