@@ -1,0 +1,308 @@
+//! Whether the default settings tell the truth about a patch.
+//!
+//! The same patch runs with default settings; with steps of a hundredth of a radian of its
+//! quickest source (the reference); with a second method in steps as small; and with tolerances
+//! ten times tighter and looser. All nets are compared at the end and at sixteen instants
+//! before it. Two answers agree where they differ by 1e-7 of the net's greatest value.
+//!
+//! A greater difference is no fault of the engine where the patch itself leaves the answer open:
+//! the reference run is repeated with every number of the patch off by 1e-9 (and by 1e-11), and
+//! a net is *sensitive* where the difference is less than ten times what that changes: the
+//! answer is then the exact one of a patch within the 1e-8 that the default settings claim.
+
+use crate::bench::ordered;
+use crate::patch::Patch;
+use crate::random::Random;
+use analog_proc::fault::RunFault;
+use analog_proc::net::{Integration, Method, NetId};
+use analog_proc::order::Ordered;
+use analog_proc::simulation::Simulation;
+use interface::Tick;
+
+/// Rows compared before the end.
+const ROWS: usize = 16;
+
+/// Step of the reference and of the second method, s: 0.0126 rad of the quickest generator.
+const FINE_S: f64 = 2.5e-4;
+
+/// Agreement, relative to a net's greatest value: ten times the claim of the default settings.
+const TOLERANCE: f64 = 1e-7;
+
+/// Agreement with looser tolerances and with the fixed steps of the second method.
+const COARSE: f64 = 3e-6;
+
+/// Beyond this a patch is not well scaled, and not judged.
+const LARGEST: f64 = 1e5;
+
+/// All nets at some instants, the end last.
+type Rows = Vec<Vec<f64>>;
+
+/// How a patch was judged.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// All runs agree.
+    Agreed,
+    /// All runs end in the same fault at the same instant.
+    SameFault,
+    /// Default settings refuse by a fault what the others run through.
+    Refused(String),
+    /// The answers differ by less than the patch's own sensitivity accounts for.
+    Sensitive,
+    /// Values too large, or a patch that the compiler refuses.
+    Unfit(String),
+    /// Not done within the deadline.
+    Endless,
+    /// Silently wrong.
+    Wrong(String),
+}
+
+#[derive(Clone, Debug)]
+struct Fault {
+    kind: &'static str,
+    t_s: f64,
+    text: String,
+}
+
+fn fault(fault: &RunFault) -> Fault {
+    let (kind, t_s) = match fault {
+        RunFault::NonFinite { t_s, .. } => ("singular", *t_s),
+        RunFault::StepUnderflow { t_s, .. } => ("singular", *t_s),
+        RunFault::DividedByZero { t_s, .. } => ("divisor", *t_s),
+        RunFault::NegativeRoot { t_s, .. } => ("root", *t_s),
+        RunFault::LogicRace { t_s, .. } => ("race", *t_s),
+        RunFault::Chatter { t_s, .. } => ("chatter", *t_s),
+        _ => ("setting", 0.0),
+    };
+    Fault {
+        kind,
+        t_s,
+        text: fault.to_string(),
+    }
+}
+
+fn simulate(ordered: &Ordered, integration: Integration, until_s: f64) -> Result<Rows, Fault> {
+    let mut ordered = ordered.clone();
+    ordered.netlist.integration = integration;
+    let nets: Vec<NetId> = (0..ordered.netlist.nets.len() as u32).map(NetId).collect();
+    let mut simulation = Simulation::new(&ordered).map_err(|f| fault(&f))?;
+    let end = Tick::from_secs(until_s).unwrap();
+    let every = Tick(end.0 / (ROWS as i64 + 1));
+    let mut rows = Vec::with_capacity(ROWS + 1);
+    simulation
+        .advance_recording(end, every, &nets, |_, row| rows.push(row.to_vec()))
+        .map_err(|f| fault(&f))?;
+    rows.truncate(ROWS);
+    rows.push(nets.iter().map(|n| simulation.net(*n)).collect());
+    Ok(rows)
+}
+
+fn fine() -> Integration {
+    Integration {
+        max_step_s: FINE_S,
+        ..Integration::default()
+    }
+}
+
+/// The greatest values of each net.
+fn scales(rows: &Rows) -> Vec<f64> {
+    (0..rows[0].len())
+        .map(|net| rows.iter().map(|r| r[net].abs()).fold(0.0, f64::max))
+        .collect()
+}
+
+/// The greatest differences of each net.
+fn differences(a: &Rows, b: &Rows) -> Vec<f64> {
+    (0..a[0].len())
+        .map(|net| {
+            let pairs = a.iter().zip(b).map(|(a, b)| (a[net] - b[net]).abs());
+            pairs.fold(0.0, |w, d| if d > w || d.is_nan() { d } else { w })
+        })
+        .collect()
+}
+
+/// Nets that differ by more than `relative` of their greatest values.
+fn differing(a: &Rows, b: &Rows, relative: f64) -> Vec<usize> {
+    let scales = scales(b);
+    let differences = differences(a, b);
+    (0..scales.len())
+        .filter(|net| differences[*net] > relative * scales[*net] + 1e-12)
+        .collect()
+}
+
+/// What the reference run changes by where the numbers of the patch change, as fractions of 1e-9;
+/// and whether it changes by a fault.
+struct Sensitivity {
+    nets: Vec<f64>,
+    faults: Vec<Result<(), Fault>>,
+}
+
+fn sensitivity(patch: &Patch, reference: &Result<Rows, Fault>, nets: usize) -> Sensitivity {
+    let mut random = Random::new(1);
+    let mut result = Sensitivity {
+        nets: vec![0.0; nets],
+        faults: Vec::new(),
+    };
+    for relative in [1e-9, 1e-9, 1e-9, 1e-9, 1e-11] {
+        let Ok(ordered) = ordered(&patch.perturbed(relative, &mut random).text()) else {
+            continue;
+        };
+        let run = simulate(&ordered, fine(), patch.until_s);
+        if let (Ok(run), Ok(reference)) = (&run, reference) {
+            for (net, difference) in differences(run, reference).into_iter().enumerate() {
+                result.nets[net] = f64::max(result.nets[net], difference);
+            }
+        }
+        result.faults.push(run.map(|_| ()));
+    }
+    result
+}
+
+/// Whether two ends by a fault are one.
+fn same(a: &Fault, b: &Fault) -> bool {
+    let off = (a.t_s - b.t_s).abs();
+    let sure = |kind: &str| matches!(kind, "divisor" | "root" | "race");
+    // Switchings that accumulate, and singularities that are approached, end where the last
+    // step that still fits ends.
+    if a.kind == b.kind && sure(a.kind) {
+        off < 1e-6
+    } else {
+        off < 1e-2
+    }
+}
+
+/// Judges one run against the reference. `None`: they agree.
+fn against(
+    what: &str,
+    run: &Result<Rows, Fault>,
+    reference: &Result<Rows, Fault>,
+    relative: f64,
+    names: &[String],
+    felt: &mut impl FnMut() -> Sensitivity,
+) -> Option<Verdict> {
+    match (run, reference) {
+        (Err(a), Err(b)) if same(a, b) => None,
+        (Ok(a), Ok(b)) => {
+            let differing = differing(a, b, relative);
+            if differing.is_empty() {
+                return None;
+            }
+            let sensitivity = felt();
+            if sensitivity.faults.iter().any(Result::is_err) {
+                return Some(Verdict::Sensitive);
+            }
+            let differences = differences(a, b);
+            let factor = 10.0 * relative / TOLERANCE;
+            let wrong: Vec<usize> = differing
+                .into_iter()
+                .filter(|net| differences[*net] > factor * sensitivity.nets[*net])
+                .collect();
+            if wrong.is_empty() {
+                return Some(Verdict::Sensitive);
+            }
+            let mut text = format!("{what}:");
+            for net in wrong.iter().take(6) {
+                let (a, b) = (a[ROWS][*net], b[ROWS][*net]);
+                text += &format!(
+                    " {} = {a:?} instead of {b:?} (differs by up to {:.2e}, sensitive to {:.1e});",
+                    names[*net], differences[*net], sensitivity.nets[*net]
+                );
+            }
+            Some(Verdict::Wrong(text))
+        }
+        (a, b) => {
+            let sensitivity = felt();
+            let like = |run: &Result<(), Fault>, other: &Result<Rows, Fault>| match (run, other) {
+                (Ok(()), Ok(_)) => true,
+                (Err(a), Err(b)) => same(a, b),
+                _ => false,
+            };
+            if sensitivity.faults.iter().any(|f| !like(f, b)) {
+                return Some(Verdict::Sensitive);
+            }
+            let tell = |run: &Result<Rows, Fault>| match run {
+                Ok(_) => "no fault".to_string(),
+                Err(fault) => fault.text.clone(),
+            };
+            let text = format!("{what}: {} instead of {}", tell(a), tell(b));
+            let refuses = |fault: &Fault| matches!(fault.kind, "singular" | "chatter");
+            match (a, b) {
+                (Err(a), _) if refuses(a) => Some(Verdict::Refused(text)),
+                _ => Some(Verdict::Wrong(text)),
+            }
+        }
+    }
+}
+
+/// Judges a patch; `seed` chooses the second method.
+pub fn judge(patch: &Patch, seed: u64) -> Verdict {
+    let ordered = match ordered(&patch.text()) {
+        Ok(ordered) => ordered,
+        Err(faults) => return Verdict::Unfit(faults),
+    };
+    let names: Vec<String> = ordered
+        .netlist
+        .nets
+        .iter()
+        .map(|n| n.name.clone())
+        .collect();
+    let until_s = patch.until_s;
+    let reference = simulate(&ordered, fine(), until_s);
+    if let Ok(rows) = &reference
+        && scales(rows).iter().any(|s| *s > LARGEST)
+    {
+        return Verdict::Unfit("too large".into());
+    }
+    let default = Integration::default();
+    let second = if seed.is_multiple_of(8) {
+        Integration {
+            method: Method::Sdirk4,
+            max_step_s: 0.02,
+            ..default
+        }
+    } else {
+        Integration {
+            method: Method::RungeKutta4,
+            step_s: FINE_S,
+            ..default
+        }
+    };
+    let tight = Integration {
+        rtol: 1e-11,
+        atol: 1e-13,
+        ..default
+    };
+    let loose = Integration {
+        rtol: 1e-9,
+        atol: 1e-11,
+        ..default
+    };
+    let mut known = None;
+    let mut felt = || -> Sensitivity {
+        let found = known.get_or_insert_with(|| sensitivity(patch, &reference, names.len()));
+        Sensitivity {
+            nets: found.nets.clone(),
+            faults: found.faults.clone(),
+        }
+    };
+    let mut sensitive = false;
+    for (what, integration, relative) in [
+        ("default", default, TOLERANCE),
+        ("tighter", tight, TOLERANCE),
+        ("looser", loose, COARSE),
+        ("second method", second, COARSE),
+    ] {
+        let run = simulate(&ordered, integration, until_s);
+        match against(what, &run, &reference, relative, &names, &mut felt) {
+            None => {}
+            Some(Verdict::Sensitive) => sensitive = true,
+            Some(verdict) => return verdict,
+        }
+    }
+    if sensitive {
+        Verdict::Sensitive
+    } else if reference.is_err() {
+        Verdict::SameFault
+    } else {
+        Verdict::Agreed
+    }
+}

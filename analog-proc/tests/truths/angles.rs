@@ -1,0 +1,124 @@
+//! Arctangents of vectors that turn, also quickly and close to their origin.
+
+use crate::TAU;
+use crate::bench::Bench;
+use crate::roots::bisect;
+use std::f64::consts::PI;
+
+/// In (−π, π], and right where it is not within a rounding of the jump.
+fn right(found: f64, y: f64, x: f64, what: &str) {
+    assert!(found > -PI - 1e-9 && found <= PI + 1e-9, "{what}: {found}");
+    let truth = y.atan2(x);
+    let error = (found - truth).abs();
+    assert!(
+        error < 1e-6 || (TAU - error).abs() < 1e-6,
+        "{what}: {found} instead of {truth}"
+    );
+}
+
+#[test]
+fn a_turning_vector_stays_within_half_a_turn() {
+    for frequency in [0.3, 7.0, 150.0] {
+        let mut bench = Bench::new(&format!(
+            "t = {{ kind = \"time\" }}\ns = {{ kind = \"sine\", in = [\"{w:?} * t\"] }}\nc = {{ kind = \"cosine\", in = [\"{w:?} * t\"] }}\nangle = {{ kind = \"arctangent\", in = [\"s\", \"c\"] }}\nx = {{ kind = \"integrator\", in = [\"angle\"] }}\nlevel = {{ kind = \"comparator\", in = [\"angle\"], threshold = 3.0 }}\nn = {{ kind = \"counter\", in = [\"level\"] }}",
+            w = TAU * frequency
+        ));
+        let angle = bench.id("angle");
+        let tick = |s| interface::Tick::from_secs(s).unwrap();
+        bench
+            .simulation
+            .advance_recording(tick(4.1), tick(0.000_7), &[angle], |t, row| {
+                let turn = TAU * frequency * t;
+                right(
+                    row[0],
+                    turn.sin(),
+                    turn.cos(),
+                    &format!("{frequency} Hz at {t} s"),
+                );
+            })
+            .unwrap();
+        let turns = (frequency * 4.1).floor();
+        let rest = TAU * (frequency * 4.1 - turns);
+        assert_eq!(
+            bench.net("n"),
+            turns + f64::from(rest > 3.0),
+            "{frequency} Hz"
+        );
+        let over = |a: f64| {
+            if a <= PI {
+                0.5 * a * a
+            } else {
+                0.5 * PI * PI + 0.5 * ((a - TAU).powi(2) - PI * PI)
+            }
+        };
+        let truth = over(rest) / (TAU * frequency);
+        let found = bench.net("x");
+        assert!((found - truth).abs() < 1e-7, "{found} instead of {truth}");
+    }
+}
+
+#[test]
+fn a_vector_passes_near_the_origin() {
+    // (t − 1, h): from π to 0 within some h seconds.
+    for h in [1e-1, 1e-3, 1e-6] {
+        for (side, sign) in [("", 1.0), ("-", -1.0)] {
+            let mut bench = Bench::new(&format!(
+                "one = {{ kind = \"constant\", value = 1.0 }}\nx = {{ kind = \"integrator\", in = [\"one\"], ic = -1.0 }}\nangle = {{ kind = \"arctangent\", in = [\"{side}{h:?} * one\", \"x\"] }}\narea = {{ kind = \"integrator\", in = [\"angle\"] }}\np = {{ kind = \"comparator\", in = [\"angle\"], threshold = {level:?} }}\nline = {{ kind = \"interrupt\", in = [\"p\"], line = 1 }}",
+                level = 0.5 * sign
+            ));
+            bench.run(1.7);
+            right(bench.net("angle"), sign * h, 0.7, "angle");
+            // ∫ atan2(h, u) du = u atan2(h, u) + h/2 ln(u² + h²).
+            let part = |u: f64| u * h.atan2(u) + 0.5 * h * (u * u + h * h).ln();
+            let truth = sign * (part(0.7) - part(-1.0));
+            let found = bench.net("area");
+            assert!(
+                (found - truth).abs() < 1e-8 * truth.abs(),
+                "h = {h}: {found} instead of {truth}"
+            );
+            let passed = 1.0 + bisect(|u| 0.5 - h.atan2(u), -1.0, 0.7);
+            let edges = bench.edges(1, sign < 0.0);
+            assert_eq!(edges.len(), 1, "h = {h}");
+            assert!(
+                (edges[0] - passed).abs() < 1e-9,
+                "h = {h}: {edges:?}, {passed}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_ellipse_that_all_but_touches_the_origin_turns_once_a_period() {
+    // (1.001 cos − 1, 0.05 sin): the centre lies 0.001 outside the origin, which is circled once a turn.
+    let mut bench = Bench::new(
+        r#"
+        s = { kind = "signal-generator", wave = "sine", phase = 0.3 }
+        c = { kind = "signal-generator", wave = "sine", phase = 1.8707963267948966 }
+        one = { kind = "constant", value = 1.0 }
+        u = { kind = "summer", in = ["1.001 * c", "-1 * one"] }
+        v = { kind = "gain", in = ["s"], k = 0.05 }
+        angle = { kind = "arctangent", in = ["v", "u"] }
+        p = { kind = "comparator", in = ["angle"] }
+        n = { kind = "counter", in = ["p"] }
+        small = { kind = "comparator", in = ["u"] }
+        m = { kind = "counter", in = ["small"] }
+    "#,
+    );
+    let angle = bench.id("angle");
+    let tick = |s| interface::Tick::from_secs(s).unwrap();
+    bench
+        .simulation
+        .advance_recording(tick(100.0), tick(0.0017), &[angle], |t, row| {
+            let a = TAU * t + 0.3;
+            right(
+                row[0],
+                0.05 * a.sin(),
+                1.001 * a.cos() - 1.0,
+                &format!("at {t} s"),
+            );
+        })
+        .unwrap();
+    // The upper half is entered once a turn, and u is positive about each turn's start.
+    assert_eq!(bench.net("n"), 100.0);
+    assert_eq!(bench.net("m"), 100.0);
+}

@@ -1,0 +1,88 @@
+//! What must end a run does so at its first instant.
+
+use crate::TAU;
+use crate::bench::Bench;
+use analog_proc::fault::RunFault;
+
+#[test]
+fn a_pole_of_a_secant_of_time_ends_the_run() {
+    let read = "\nx = { kind = \"integrator\", in = [\"q\"] }";
+    for reader in ["", read] {
+        let mut bench = Bench::new(&format!(
+            "t = {{ kind = \"time\" }}\none = {{ kind = \"constant\", value = 1.0 }}\nc = {{ kind = \"cosine\", in = [\"10 * t\"] }}\nq = {{ kind = \"divider\", in = [\"one\", \"c\"] }}{reader}"
+        ));
+        match bench.try_run(20.0) {
+            Err(RunFault::DividedByZero { block, t_s }) => {
+                assert_eq!(block, "q");
+                assert!((t_s - TAU / 40.0).abs() < 1e-8, "at {t_s} s");
+            }
+            // Its integral may be found to be singular just before.
+            Err(RunFault::StepUnderflow { t_s, .. } | RunFault::NonFinite { t_s, .. })
+                if !reader.is_empty() =>
+            {
+                assert!((t_s - TAU / 40.0).abs() < 1e-6, "at {t_s} s");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_divisor_that_dips_below_zero_for_a_moment_ends_the_run() {
+    // sin(2πt) + 0.9999 is negative for 4.5 ms a second.
+    let mut bench = Bench::new(
+        "s = { kind = \"signal-generator\", wave = \"sine\" }\none = { kind = \"constant\", value = 1.0 }\nd = { kind = \"summer\", in = [\"s\", \"0.9999 * one\"] }\nq = { kind = \"divider\", in = [\"one\", \"d\"] }",
+    );
+    match bench.try_run(20.0) {
+        Err(RunFault::DividedByZero { block, t_s }) => {
+            assert_eq!(block, "q");
+            let truth = 0.5 + 0.9999_f64.asin() / TAU;
+            assert!((t_s - truth).abs() < 1e-9, "{t_s} instead of {truth}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_root_of_what_dips_below_zero_ends_the_run() {
+    let mut bench = Bench::new(
+        "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"] }\none = { kind = \"constant\", value = 1.0 }\nr = { kind = \"square-root\", in = [\"s\", \"0.9999 * one\"] }",
+    );
+    match bench.try_run(20.0) {
+        Err(RunFault::NegativeRoot { block, t_s }) => {
+            assert_eq!(block, "r");
+            let truth = 0.5 + 0.9999_f64.asin() / TAU;
+            assert!((t_s - truth).abs() < 1e-9, "{t_s} instead of {truth}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn an_overload_of_a_sine_of_time_stops_the_run() {
+    // The level is 110 % of `max`.
+    let cases: [(f64, &str); 3] = [
+        (
+            0.9 / 1.1,
+            "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"], max = MAX }",
+        ),
+        (
+            0.9,
+            "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"], max = MAX }",
+        ),
+        (
+            0.999 / 1.1,
+            "s = { kind = \"signal-generator\", wave = \"sine\", max = MAX }",
+        ),
+    ];
+    for (max, sources) in cases {
+        let blocks = sources.replace("MAX", &format!("{max:?}"));
+        let mut bench = Bench::with("overload = \"stop\"", &blocks);
+        let advance = bench.try_run(20.0).unwrap();
+        let latched = advance.stopped_by.expect("stopped");
+        let truth = (1.1 * max).asin() / TAU;
+        let t_s = latched.t_s;
+        assert!((t_s - truth).abs() < 1e-9, "{t_s} instead of {truth}");
+        assert!((latched.value - 1.1 * max).abs() < 1e-9, "{latched:?}");
+    }
+}
