@@ -100,7 +100,7 @@ fn by_hand<const N: usize>(
             k[0] = k[6];
             steps += 1;
         }
-        h *= (0.9 * norm.powf(-0.2)).clamp(0.2, 10.0);
+        h *= (0.9 * libm::pow(norm, -0.2)).clamp(0.2, 10.0);
     }
     (y, steps)
 }
@@ -285,7 +285,7 @@ fn stage_by_hand(t_s: f64, y: &[f64; 20]) -> [f64; 20] {
         force_p,
         force_y,
     ] = y;
-    let (sin, cos) = phi.sin_cos();
+    let (sin, cos) = libm::sincos(phi);
     let q = theta_dot * cos + psi_dot * sin;
     let r = psi_dot * cos - theta_dot * sin;
     let error_theta = COMMAND.0 + COMMAND.1 * t_s - theta;

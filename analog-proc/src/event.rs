@@ -2,7 +2,8 @@
 //!
 //! A pass evaluates every block in order and lets each element choose its region
 //! from the values as they are; after it, all storing elements act at once on
-//! what the pass found, and resets take the values of before the pass. Passes
+//! what the pass found, whatever their order in the patch: each looks at the logic of
+//! before any of them has switched. Resets take the values of before the pass. Passes
 //! repeat until nothing moves; a bound turns a race into a fault. Locating the
 //! instant is the simulation's part.
 //!
@@ -67,20 +68,16 @@ impl Machine {
         happenings: &mut Happenings,
     ) -> Result<(), RunFault> {
         let bound = SPARE_PASSES + 2 * (self.stores.len() + self.controls.len());
-        let mut movers = Vec::new();
+        let (mut movers, mut switched) = (Vec::new(), Vec::new());
         // Corners take rounding for rest; below a root even that counts.
         let mut sharp = false;
         for pass in 0..bound {
             before.copy_from_slice(nets);
             let last = pass + 1 == bound;
             let (mut moved, negative) = self.pass(f, t_s, nets, sharp, happenings)?;
+            switched.clear();
             for (i, store) in self.stores.iter().enumerate() {
-                if store.act(i, f, nets, t_s, initial, &mut happenings.edges) {
-                    moved = true;
-                    if last {
-                        movers.push(store.output());
-                    }
-                }
+                switched.extend(store.act(i, f, nets, t_s, initial, &mut happenings.edges));
             }
             for (i, control) in self.controls.iter().enumerate() {
                 if control.apply(i, self.stores.len(), ics, f, before, nets, initial) {
@@ -88,6 +85,13 @@ impl Machine {
                     if last {
                         movers.push(control.state);
                     }
+                }
+            }
+            for (slot, value) in &switched {
+                nets[*slot as usize] = *value;
+                moved = true;
+                if last {
+                    movers.push(*slot);
                 }
             }
             if moved {

@@ -17,7 +17,7 @@ pub enum RunFault {
         block: String,
         /// Its net.
         net: String,
-        /// `output` or `derivative`.
+        /// `output`, `derivative` or `the value recorded`.
         what: &'static str,
     },
     /// The divisor of a divider reached zero.
@@ -69,6 +69,34 @@ pub enum RunFault {
         block: String,
         /// Number of events.
         events: u32,
+    },
+    /// A function's argument moves faster than time is resolved.
+    #[error(
+        "`{block}` turns faster than time is resolved at t = {t_s} s: its argument runs away, or its \
+         divisor comes too close to zero"
+    )]
+    TooQuick {
+        /// Problem time, s.
+        t_s: f64,
+        /// The block of the function.
+        block: String,
+    },
+    /// Whether a surface is crossed cannot be told.
+    #[error(
+        "whether `{block}` switches cannot be followed from t = {t_s} s on: its input varies too \
+         quickly within a step; bound the step (`max-step`)"
+    )]
+    NotFollowed {
+        /// Problem time at the start of the step, s.
+        t_s: f64,
+        /// The block.
+        block: String,
+    },
+    /// Whoever attended the run ended it.
+    #[error("stopped at t = {t_s} s")]
+    Halted {
+        /// Problem time, s.
+        t_s: f64,
     },
     /// An integration setting is out of range.
     #[error("integration setting `{setting}` = {value} is out of range")]

@@ -17,7 +17,11 @@
 //! run, or the end of the scan before, counts as standing still.
 
 use crate::{
-    channels::Channels, fault::RunFault, free_run::FreeRun, mode::Mode, simulation::Simulation,
+    channels::Channels,
+    fault::RunFault,
+    free_run::FreeRun,
+    mode::Mode,
+    simulation::{Pulse, Simulation},
 };
 use interface::{
     Tick,
@@ -25,7 +29,7 @@ use interface::{
     frame::{ModeCommand, RunState, Samples, Updates},
     link::{AnalogPort, LinkFault},
 };
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::ControlFlow};
 
 /// Runs the frames of one OPERATE period; returns what stopped it early, if it was a fault.
 /// `time_scale` is the wall time that a unit of problem time takes when free-running.
@@ -142,6 +146,8 @@ struct Look {
 enum Over {
     Ended,
     Faulted(RunFault),
+    /// While it integrated, the digital side went or this process was interrupted.
+    Alone(LinkFault),
 }
 
 /// Who says when updates take effect.
@@ -270,12 +276,27 @@ impl Cycle<'_> {
             self.clock = to;
             return;
         }
-        match self.simulation.advance_to(self.origin + to - self.held) {
+        let mut alone = None;
+        let port = &mut *self.port;
+        let mut attend = |_: &Pulse| match port.attend() {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(fault) => {
+                alone = Some(fault);
+                ControlFlow::Break(())
+            }
+        };
+        let stop = self.origin + to - self.held;
+        let advance = self.simulation.advance_attended(stop, &mut attend);
+        if let Some(fault) = alone {
+            self.over = Some(Over::Alone(fault));
+            return;
+        }
+        match advance {
             Ok(advance) if advance.stopped_by.is_none() => {}
             Ok(advance) if self.simulation.mode() == Mode::Hold => {
                 // The overload policy: problem time stands where the overload was located.
                 self.holding = true;
-                self.held = self.held + ((self.origin + to - self.held) - advance.reached);
+                self.held = self.held + (stop - advance.reached);
             }
             Ok(_) => self.over = Some(Over::Ended),
             Err(fault) => self.over = Some(Over::Faulted(fault)),
@@ -370,6 +391,11 @@ impl Cycle<'_> {
 
     /// Tells the digital side that the run is over.
     fn finish(mut self, mut samples: Samples, over: Over) -> Result<Option<RunFault>, LinkFault> {
+        let (state, fault) = match over {
+            Over::Ended => (RunState::Ended, None),
+            Over::Faulted(fault) => (RunState::Faulted, Some(fault)),
+            Over::Alone(fault) => return Err(fault),
+        };
         if let Timing::LockStep { pending } = &mut self.timing
             && let Some((frame, _)) = pending.take()
         {
@@ -377,10 +403,6 @@ impl Cycle<'_> {
         }
         self.stamp(&mut samples);
         samples.tick = self.clock;
-        let (state, fault) = match over {
-            Over::Ended => (RunState::Ended, None),
-            Over::Faulted(fault) => (RunState::Faulted, Some(fault)),
-        };
         samples.state = state as u32;
         self.publish(samples)?;
         Ok(fault)

@@ -21,6 +21,7 @@ pub(crate) use fold::fold;
 
 use crate::machine::{Frozen, Machine};
 use crate::op::{Op, Slot};
+use crate::signal::Signal;
 use rows::Rows;
 
 /// Where a weight stands.
@@ -150,9 +151,7 @@ pub(crate) struct Kernel {
     /// Nets of the long sums.
     slots: Vec<Slot>,
     rows: Rows,
-    /// What no derivative reads, or only in folded form, but a witness does.
-    seen: Vec<Op>,
-    /// What neither reads.
+    /// What no derivative reads, or only in folded form.
     rest: Vec<Op>,
     weights: Vec<f64>,
     scaled: Vec<Scaled>,
@@ -219,17 +218,9 @@ impl Machine {
         self.complete(f, t_s, nets);
     }
 
-    /// Of the varying nets at `t_s`, those that witnesses read.
-    pub(crate) fn seen(&self, f: &Frozen, t_s: f64, nets: &mut [f64]) {
-        self.steps(f, t_s, nets);
-        for op in &self.kernel.seen {
-            self.evaluate(op, f, t_s, nets);
-        }
-    }
-
     /// After [`Machine::derivatives`], the varying nets that it left out.
     pub(crate) fn complete(&self, f: &Frozen, t_s: f64, nets: &mut [f64]) {
-        for op in self.kernel.seen.iter().chain(&self.kernel.rest) {
+        for op in &self.kernel.rest {
             self.evaluate(op, f, t_s, nets);
         }
     }
@@ -294,7 +285,7 @@ impl Machine {
                 net!(o) = crate::op::dead_zone(f.region[e as usize], u, net!(width));
             }
             Step::SinCos { o, a, w: [w] } => {
-                let (sin, cos) = (w * net!(a)).sin_cos();
+                let (sin, cos) = Signal::sin_cos(w * net!(a));
                 net!(o) = sin;
                 net!(o + 1) = cos;
             }

@@ -2,7 +2,7 @@
 //!
 //! A patch passes through stages, each a type of its own, so that an unchecked
 //! net cannot run: text → net → checked → ordered → machine.
-#![cfg_attr(test, allow(clippy::unwrap_used))]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod block;
 pub mod channels;
@@ -24,7 +24,9 @@ pub mod order;
 pub mod overload;
 pub mod patch;
 pub mod record;
+pub mod remark;
 pub mod serve;
+mod signal;
 pub mod simulation;
 pub mod static_check;
 pub mod tolerance;

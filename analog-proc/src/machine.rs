@@ -15,7 +15,8 @@ use crate::block::dac::Hold;
 use crate::block::delay::DelayLine;
 use crate::block::integrator::Control;
 use crate::block::logic::Store;
-use crate::block::piecewise::{OverloadWatch, Piecewise, UNSET};
+use crate::block::pace::Pace;
+use crate::block::piecewise::{Piecewise, UNSET};
 use crate::block::source::{Noise, Timer, Waveform};
 use crate::block::surface::Table;
 use crate::fault::RunFault;
@@ -51,15 +52,21 @@ pub struct Machine {
     pub(crate) kernel: Kernel,
     pub(crate) terms: Vec<Term>,
     pub(crate) ics: Vec<f64>,
-    /// Scale of each state in the error norm (its `max`, or one).
-    pub(crate) scales: Vec<f64>,
+    /// Scale of each state in the error norm, where its block states one (`max`).
+    pub(crate) scales: Vec<Option<f64>>,
     /// Nets before anything is evaluated: constants, initial store outputs.
     pub(crate) initial_nets: Vec<f64>,
     pub(crate) elements: Vec<(BlockId, Piecewise)>,
-    /// Elements whose inputs vary within a step, the overload witnesses last.
+    /// Elements whose inputs vary within a step.
     pub(crate) watched: Vec<u32>,
-    /// Those overload witnesses, side by side.
-    pub(crate) levels: Vec<OverloadWatch>,
+    /// The element of each of their sides.
+    pub(crate) element_of_side: Vec<u32>,
+    /// How often a step is halved at least before a side is judged.
+    pub(crate) halvings: Vec<u8>,
+    /// Operations that those sides, the paces and the delay lines depend on.
+    pub(crate) watch: Vec<Op>,
+    /// What bounds the step by its own scale, and its block.
+    pub(crate) paces: Vec<(Pace, BlockId)>,
     pub(crate) breakpoints: Vec<f64>,
     pub(crate) initial_pieces: Vec<Piece>,
     pub(crate) tables: Vec<Table>,
@@ -83,6 +90,8 @@ pub struct Machine {
 #[derive(Clone, Debug)]
 pub(crate) struct Frozen {
     pub region: Vec<u32>,
+    /// What each element's signal must pass its surface by to count at this settling.
+    pub held: Vec<f64>,
     /// Present piece of each element.
     pub piece: Vec<Piece>,
     /// All pieces of all curves (digital functions rewrite theirs).
@@ -132,6 +141,7 @@ impl Machine {
     pub(crate) fn frozen(&self) -> Frozen {
         Frozen {
             region: vec![UNSET; self.elements.len()],
+            held: vec![0.0; self.elements.len()],
             piece: vec![Piece::default(); self.elements.len()],
             pieces: self.initial_pieces.clone(),
             holds: self.dac_channels.iter().map(|d| Hold::at(d.1)).collect(),

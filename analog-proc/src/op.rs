@@ -8,6 +8,7 @@
 //! match that evaluates them must be one match to be fast.
 
 use crate::machine::{Frozen, Machine};
+use crate::signal::Signal;
 
 /// Index into the flat array of nets.
 pub(crate) type Slot = u32;
@@ -21,8 +22,8 @@ pub(crate) struct Term {
 
 impl Term {
     #[inline(always)]
-    pub fn of(self, nets: &[f64]) -> f64 {
-        self.c * nets[self.slot as usize]
+    pub fn of<N: Signal>(self, nets: &[N]) -> N {
+        nets[self.slot as usize] * self.c
     }
 }
 
@@ -315,24 +316,72 @@ impl Op {
     }
 }
 
+/// Degree of each net as a polynomial in signals that the steps resolve one by one (states,
+/// time, sines of bounded turn): a product of sixteen sines has peaks a quarter as wide.
+pub(crate) fn degrees(ops: &[Op], terms: &[Term], slots: usize) -> Vec<u32> {
+    let mut degree = vec![1_u32; slots];
+    for op in ops {
+        let of = |slot: Slot| degree[slot as usize];
+        let found = match *op {
+            Op::Product { a, b, .. } => of(a).saturating_add(of(b)),
+            Op::Quotient { a, b, .. } => of(a).saturating_add(of(b).saturating_mul(2)),
+            Op::Mdac { a, .. } => of(a).saturating_add(1),
+            Op::Surface { x, y, .. } => of(x.slot).saturating_add(of(y.slot)),
+            Op::Rotate { start, .. } => {
+                let [u, v, sine] = [0, 1, 2].map(|k| of(terms[start as usize + k].slot));
+                u.max(v).saturating_add(sine)
+            }
+            Op::Delay { .. } => 1,
+            _ => {
+                let mut greatest = 1;
+                op.reads(terms, |slot| greatest = greatest.max(of(slot)));
+                greatest
+            }
+        };
+        op.drives(|slot| degree[slot as usize] = found);
+    }
+    degree
+}
+
+/// Which of the operations, in order of evaluation, the nets `wanted` depend on.
+pub(crate) fn behind(ops: &[Op], terms: &[Term], wanted: &[Slot], slots: usize) -> Vec<bool> {
+    let mut needed = vec![false; slots];
+    for slot in wanted {
+        needed[*slot as usize] = true;
+    }
+    let mut is_behind = vec![false; ops.len()];
+    for (i, op) in ops.iter().enumerate().rev() {
+        op.drives(|slot| is_behind[i] |= needed[slot as usize]);
+        if is_behind[i] {
+            op.reads(terms, |slot| needed[slot as usize] = true);
+        }
+    }
+    is_behind
+}
+
 impl Machine {
     #[inline(always)]
-    pub(crate) fn sum(&self, start: u32, len: u32, nets: &[f64]) -> f64 {
+    pub(crate) fn sum<N: Signal>(&self, start: u32, len: u32, nets: &[N]) -> N {
         let terms = &self.terms[start as usize..(start + len) as usize];
-        terms.iter().map(|term| term.of(nets)).sum()
+        let Some((first, rest)) = terms.split_first() else {
+            return N::constant(0.0);
+        };
+        rest.iter()
+            .fold(first.of(nets), |sum, term| sum + term.of(nets))
     }
 
     /// Evaluates one operation.
     #[inline]
-    pub(crate) fn evaluate(&self, op: &Op, f: &Frozen, t_s: f64, nets: &mut [f64]) {
+    pub(crate) fn evaluate<N: Signal>(&self, op: &Op, f: &Frozen, t_s: f64, nets: &mut [N]) {
         macro_rules! net {
             ($s:expr) => {
                 nets[$s as usize]
             };
         }
+        let on = |level: bool| N::constant(f64::from(level));
         match *op {
-            Op::Sum1 { o, a, ca } => net!(o) = ca * net!(a),
-            Op::Sum2 { o, a, b, ca, cb } => net!(o) = ca * net!(a) + cb * net!(b),
+            Op::Sum1 { o, a, ca } => net!(o) = net!(a) * ca,
+            Op::Sum2 { o, a, b, ca, cb } => net!(o) = net!(a) * ca + net!(b) * cb,
             Op::Sum3 {
                 o,
                 a,
@@ -342,16 +391,16 @@ impl Machine {
                 cb,
                 cd,
             } => {
-                net!(o) = ca * net!(a) + cb * net!(b) + cd * net!(d);
+                net!(o) = net!(a) * ca + net!(b) * cb + net!(d) * cd;
             }
             Op::SumN { o, start, len } => net!(o) = self.sum(start, len, nets),
-            Op::Product { o, a, b, c } => net!(o) = c * net!(a) * net!(b),
-            Op::Quotient { o, a, b, c } => net!(o) = c * net!(a) / net!(b),
-            Op::Root { o, a, c } => net!(o) = root(c * net!(a)),
-            Op::Sine { o, a, c } => net!(o) = (c * net!(a)).sin(),
-            Op::Cosine { o, a, c } => net!(o) = (c * net!(a)).cos(),
+            Op::Product { o, a, b, c } => net!(o) = net!(a) * c * net!(b),
+            Op::Quotient { o, a, b, c } => net!(o) = net!(a) * c / net!(b),
+            Op::Root { o, a, c } => net!(o) = (net!(a) * c).root(),
+            Op::Sine { o, a, c } => net!(o) = (net!(a) * c).sin(),
+            Op::Cosine { o, a, c } => net!(o) = (net!(a) * c).cos(),
             Op::SinCos { o, a, c } => {
-                let (sin, cos) = (c * net!(a)).sin_cos();
+                let (sin, cos) = (net!(a) * c).sin_cos();
                 net!(o) = sin;
                 net!(o + 1) = cos;
             }
@@ -364,13 +413,12 @@ impl Machine {
                 net!(y) = u * sin + v * cos;
             }
             Op::Arctangent { o, e, y, x } => {
-                let (y, x) = (y.of(nets), x.of(nets));
-                net!(o) = crate::block::function::arctangent(y, x, f.region[e as usize]);
+                net!(o) = N::angle(y.of(nets), x.of(nets), f.region[e as usize]);
             }
-            Op::Curve { o, e, a, c } => net!(o) = f.piece[e as usize].at(c * net!(a)),
-            Op::Constant { o, e } => net!(o) = f.piece[e as usize].y0,
+            Op::Curve { o, e, a, c } => net!(o) = f.piece[e as usize].at(net!(a) * c),
+            Op::Constant { o, e } => net!(o) = N::constant(f.piece[e as usize].y0),
             Op::DeadZone { o, e, a, c, w } => {
-                net!(o) = dead_zone(f.region[e as usize], c * net!(a), net!(w));
+                net!(o) = dead_zone(f.region[e as usize], net!(a) * c, net!(w));
             }
             Op::Limit {
                 o,
@@ -382,7 +430,7 @@ impl Machine {
             } => {
                 net!(o) = match f.region[e as usize] {
                     0 => net!(low),
-                    1 => c * net!(a),
+                    1 => net!(a) * c,
                     _ => net!(high),
                 };
             }
@@ -395,18 +443,18 @@ impl Machine {
             }
             Op::Friction { o, e, a, c } => {
                 net!(o) = if f.region[e as usize] == crate::block::friction::STUCK {
-                    -c * net!(a)
+                    net!(a) * -c
                 } else {
-                    f.piece[e as usize].y0
+                    N::constant(f.piece[e as usize].y0)
                 };
             }
-            Op::Dac { o, hold } => net!(o) = f.holds[hold as usize].at_time(t_s),
+            Op::Dac { o, hold } => net!(o) = f.holds[hold as usize].signal(t_s),
             Op::Mdac { o, hold, a, c } => {
-                net!(o) = f.holds[hold as usize].at_time(t_s) * c * net!(a);
+                net!(o) = f.holds[hold as usize].signal::<N>(t_s) * c * net!(a);
             }
-            Op::Dcu { o, dcu, a, c } => net!(o) = f.dcus[dcu as usize] * c * net!(a),
+            Op::Dcu { o, dcu, a, c } => net!(o) = net!(a) * (f.dcus[dcu as usize] * c),
             Op::Switch { o, control, a, b } => {
-                net!(o) = if net!(control) != 0.0 {
+                net!(o) = if net!(control).value() != 0.0 {
                     a.of(nets)
                 } else {
                     b.of(nets)
@@ -419,43 +467,37 @@ impl Machine {
                 c,
                 store,
             } => {
-                net!(o) = if net!(control) != 0.0 {
-                    c * net!(a)
+                net!(o) = if net!(control).value() != 0.0 {
+                    net!(a) * c
                 } else {
-                    f.tracked[store as usize]
+                    N::constant(f.tracked[store as usize])
                 };
             }
-            Op::Delay { o, line } => net!(o) = f.lines[line as usize].read(t_s),
+            Op::Delay { o, line } => net!(o) = f.lines[line as usize].signal(t_s),
             Op::Wave { o, wave } => {
                 let w = &self.waves[wave as usize];
-                net!(o) = w.at(t_s, f.started[wave as usize]);
+                net!(o) = w.signal(t_s, f.started[wave as usize]);
             }
-            Op::Time { o } => net!(o) = t_s,
+            Op::Time { o } => net!(o) = N::of_time(t_s, t_s, || 1.0),
             Op::And { o, start, len } => {
                 let terms = &self.terms[start as usize..(start + len) as usize];
-                net!(o) = f64::from(terms.iter().all(|term| net!(term.slot) != 0.0));
+                net!(o) = on(terms.iter().all(|term| net!(term.slot).value() != 0.0));
             }
             Op::Or { o, start, len } => {
                 let terms = &self.terms[start as usize..(start + len) as usize];
-                net!(o) = f64::from(terms.iter().any(|term| net!(term.slot) != 0.0));
+                net!(o) = on(terms.iter().any(|term| net!(term.slot).value() != 0.0));
             }
-            Op::Not { o, a } => net!(o) = f64::from(net!(a) == 0.0),
+            Op::Not { o, a } => net!(o) = on(net!(a).value() == 0.0),
         }
     }
 }
 
 /// A dead zone of half width `w`, by its region.
 #[inline(always)]
-pub(crate) fn dead_zone(region: u32, u: f64, w: f64) -> f64 {
+pub(crate) fn dead_zone<N: Signal>(region: u32, u: N, w: N) -> N {
     match region {
         0 => u + w,
-        1 => 0.0,
+        1 => N::constant(0.0),
         _ => u - w,
     }
-}
-
-/// Square root of the positive part, NaN kept.
-#[inline(always)]
-fn root(x: f64) -> f64 {
-    if x < 0.0 { 0.0 } else { x.sqrt() }
 }

@@ -1,31 +1,43 @@
 //! OPERATE: stepping, error control, events and stops.
 //!
-//! A step runs on frozen regions. When it is done its witnesses are looked at; the
-//! earliest crossing is located on the half-open interval (t0, t*] down to the
-//! last representable instant. The step then ends at t*, on the far side of the
-//! surface, and everything settles there.
+//! A step runs on frozen regions, and no longer than its functions show in its ends
+//! what they do between them ([`crate::block::pace`]). When it is done the sides of
+//! all regions are searched; the earliest crossing is located on the half-open
+//! interval (t0, t*] down to the last representable instant. The step then ends at
+//! t*, on the far side of the surface, and everything settles there.
 //!
 //! It refuses to step over a corner, to answer with a step below the resolution
 //! of time, and to go on while events repeat without progress.
 
 mod crossing;
 mod guard;
+mod heed;
 mod instants;
+mod past;
 mod recorder;
+mod search;
+mod size;
 mod stepping;
+mod watch;
 
-pub(crate) use recorder::Recorder;
+pub(crate) use heed::Heed;
+pub use heed::{Attendant, Pulse};
+pub use recorder::Sink;
+pub(crate) use recorder::{Cut, Recorder};
 
 use crate::block::dac::Hold;
-use crate::block::delay::POINTS;
+use crate::block::pace::Paces;
 use crate::event::Happenings;
 use crate::fault::RunFault;
 use crate::integrate::{Scheme, Step};
 use crate::machine::{Frozen, Machine};
 use crate::net::{BlockId, Integration, NetId, OverloadPolicy};
 use crate::overload::LatchedOverload;
+use crate::remark::Remark;
+use crate::signal::{Doubted, Rated};
 use crate::simulation::Statistics;
 use instants::resolution_s;
+use watch::Node;
 
 /// The running state.
 #[derive(Debug)]
@@ -41,22 +53,46 @@ pub(crate) struct Engine {
     /// `y0` and `f0` are the state and its derivative at `t_s`.
     pub step: Step,
     pub scheme: Scheme,
+    /// Absolute tolerance of each state, and the greatest magnitude that it has had.
     pub atol: Vec<f64>,
+    pub largest: Vec<f64>,
     pub integration: Integration,
     pub t_s: f64,
     /// Proposal of the controller, kept over truncated steps.
     pub next_step_s: f64,
     pub former_error: f64,
-    pub margins: Vec<f64>,
-    /// Margins at the lower end of the bracket: at the start of the step.
-    pub margins_low: Vec<f64>,
-    pub margins_high: Vec<f64>,
-    /// Margins at the start of the step, while the bracket moves.
-    pub margins_start: Vec<f64>,
-    /// Input of each delay line over a step.
-    pub delay_samples: Vec<[f64; POINTS]>,
+    /// What the surfaces read, with its rates: at the start of the step, and where one
+    /// looks.
+    pub rated_start: Vec<Rated>,
+    pub rated: Vec<Rated>,
+    pub doubted: Vec<Doubted>,
+    /// The ends of the step and the places looked at between them.
+    nodes: Vec<Node>,
+    /// Error of the cubic of each side, by depth of halving.
+    errors: Vec<Vec<f64>>,
+    /// A sixth of the third derivative of each side in the step before, where it can be
+    /// compared (`followed`).
+    thirds: Vec<f64>,
+    followed: bool,
+    /// Sides that are not clear of their surfaces at once.
+    active: Vec<u32>,
+    doubts: Vec<Doubted>,
+    /// What rounding alone can have made of each side.
+    noise: Vec<f64>,
+    /// What an excursion within the step must exceed, where asked for.
+    tolerated: Vec<f64>,
+    tolerated_known: bool,
+    probes: u32,
+    margins: Vec<f64>,
+    margins_low: Vec<f64>,
+    margins_high: Vec<f64>,
+    paces: Paces,
+    past: Vec<Rated>,
     pub happenings: Happenings,
     pub overloads: Vec<LatchedOverload>,
+    /// Touches of a surface that were not taken for switchings; the first, with its element.
+    grazes: u64,
+    first_graze: Option<(f64, u32)>,
     pub chatter_from_s: f64,
     pub chatter: u32,
     pub statistics: Statistics,
@@ -70,6 +106,58 @@ impl Machine {
 }
 
 impl Engine {
+    /// Before the first reset.
+    pub fn new(machine: Machine, integration: Integration) -> Engine {
+        let (states, slots) = (machine.states, machine.slots);
+        let sides = machine.element_of_side.len();
+        let node = |theta: f64| Node {
+            theta,
+            sides: vec![Rated::default(); sides],
+        };
+        let zeros = || vec![0.0; sides];
+        Engine {
+            frozen: machine.frozen(),
+            ics: machine.ics.clone(),
+            nets: machine.initial_nets.clone(),
+            probe: machine.initial_nets.clone(),
+            before: vec![0.0; slots],
+            step: Step::new(states),
+            scheme: Scheme::new(integration.method, states),
+            atol: vec![0.0; states],
+            largest: vec![0.0; states],
+            integration,
+            t_s: 0.0,
+            next_step_s: 0.0,
+            former_error: 1e-4,
+            rated_start: vec![Rated::default(); slots],
+            rated: vec![Rated::default(); slots],
+            doubted: vec![Doubted::default(); slots],
+            nodes: vec![node(0.0), node(1.0)],
+            errors: vec![zeros()],
+            thirds: zeros(),
+            followed: false,
+            active: Vec::with_capacity(sides),
+            doubts: vec![Doubted::default(); sides],
+            noise: zeros(),
+            tolerated: zeros(),
+            tolerated_known: false,
+            probes: 0,
+            margins: zeros(),
+            margins_low: zeros(),
+            margins_high: zeros(),
+            paces: Paces::new(&machine),
+            past: Vec::new(),
+            happenings: Happenings::default(),
+            overloads: Vec::new(),
+            grazes: 0,
+            first_graze: None,
+            chatter_from_s: 0.0,
+            chatter: 0,
+            statistics: Statistics::default(),
+            machine,
+        }
+    }
+
     pub fn reset(&mut self) -> Result<(), RunFault> {
         let fresh = self.machine.frozen();
         let old = std::mem::replace(&mut self.frozen, fresh);
@@ -88,11 +176,15 @@ impl Engine {
         self.t_s = 0.0;
         self.statistics = Statistics::default();
         self.step.evaluations = 0;
+        (self.grazes, self.first_graze) = (0, None);
         self.overloads.clear();
         self.happenings = Happenings::default();
         self.chatter = 0;
         self.chatter_from_s = 0.0;
         self.former_error = 1e-4;
+        self.paces.reset();
+        self.noise.fill(0.0);
+        self.largest.fill(0.0);
         for (i, (_, timer)) in self.machine.timers.iter().enumerate() {
             self.frozen.timer_count[i] = timer.first();
             self.frozen.timer_s[i] = timer.instant_s(timer.first());
@@ -124,48 +216,111 @@ impl Engine {
         self.step.f1.last().copied().unwrap_or(0.0)
     }
 
+    pub fn pulse(&self) -> Pulse {
+        Pulse {
+            t_s: self.t_s,
+            statistics: Statistics {
+                evaluations: self.step.evaluations,
+                ..self.statistics
+            },
+            step_rate: self
+                .scheme
+                .step_rate(&self.step, &self.atol, self.integration.rtol),
+        }
+    }
+
+    fn cut_short(&self, cut: Cut) -> RunFault {
+        match cut {
+            Cut::Sink => RunFault::Halted { t_s: self.t_s },
+            Cut::NonFinite(slot, t_s) => {
+                let block = self.machine.block_of_slot.get(slot as usize);
+                RunFault::NonFinite {
+                    t_s,
+                    block: block.map_or_else(String::new, |b| self.machine.block_name(*b)),
+                    net: self.machine.slot_name(slot),
+                    what: "the value recorded",
+                }
+            }
+        }
+    }
+
     /// Settles at the present instant and restarts the integration there. `generation`
     /// is given where delay lines must pass the event on.
     fn settle(&mut self, initial: bool, generation: Option<u8>) -> Result<(), RunFault> {
         let n = self.step.y0.len();
         let t_s = self.t_s;
         for line in &mut self.frozen.lines {
-            if let Some(generation) = generation {
-                line.event(t_s, generation);
+            if generation.is_some() {
+                line.part();
             }
             // What is read at this instant belongs to what follows it.
             line.aim(t_s, line.delay_s * 1e-3);
         }
+        let before = self.inputs_of_lines();
+        self.hold_what_returns();
         let Engine {
             machine,
             frozen,
             nets,
-            before,
+            before: nets_before,
             happenings,
             ics,
             ..
         } = self;
-        machine.settle(frozen, ics, t_s, nets, before, initial, happenings)?;
+        machine.settle(frozen, ics, t_s, nets, nets_before, initial, happenings)?;
         self.statistics.edges_lost += self.happenings.drop_oldest_edges();
         self.overloads.append(&mut self.happenings.overloads);
         self.step.y0.copy_from_slice(&self.nets[..n]);
+        self.size_up(true);
         self.machine
             .derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
         self.step.evaluations += 1;
         self.probe.copy_from_slice(&self.nets);
         self.scheme.restart();
         self.check_finite()?;
-        self.witness_low();
+        self.watch_start();
+        if let Some(generation) = generation {
+            for (line, before) in self.frozen.lines.iter_mut().zip(before) {
+                let after = line.input.of(&self.rated_start);
+                line.event(t_s, generation, before, after);
+            }
+        }
         Ok(())
     }
 
-    /// Operates until `stop_s`, or until an overload stops it.
+    /// What is to be said of the run so far.
+    pub fn remarks(&self) -> Vec<Remark> {
+        let machine = &self.machine;
+        let unresolved = self.unresolved().map(|state| Remark::Unresolved {
+            block: machine.block_name(machine.block_of_state[state]),
+            largest: self.largest[state],
+            atol: self.atol[state],
+        });
+        let grazed = self.first_graze.map(|(t_s, element)| Remark::Grazed {
+            block: machine.block_name(machine.elements[element as usize].0),
+            t_s,
+            times: self.grazes,
+        });
+        unresolved.chain(grazed).collect()
+    }
+
+    /// What the delay lines are given, as the nets were watched last.
+    fn inputs_of_lines(&self) -> Vec<Rated> {
+        let lines = self.frozen.lines.iter();
+        lines.map(|line| line.input.of(&self.rated_start)).collect()
+    }
+
+    /// Operates until `stop_s`, or until an overload or the attendant stops it.
     pub fn operate(
         &mut self,
         stop_s: f64,
         mut recorder: Option<&mut Recorder<'_>>,
+        heed: &mut Heed<'_>,
     ) -> Result<Option<LatchedOverload>, RunFault> {
         while self.t_s < stop_s {
+            if heed.is_due(self.step.evaluations) && heed.ask(&self.pulse()).is_break() {
+                return Err(RunFault::Halted { t_s: self.t_s });
+            }
             let known = self.overloads.len();
             let mut target_s = stop_s.min(self.next_instant_s());
             if !self.scheme.adaptive() {
@@ -193,6 +348,9 @@ impl Engine {
             if let Some(recorder) = recorder.as_deref_mut() {
                 while recorder.next_s() <= self.t_s {
                     recorder.record(&self.nets);
+                }
+                if let Some(cut) = recorder.cut() {
+                    return Err(self.cut_short(cut));
                 }
             }
             if self.overloads.len() > known && self.integration.overload != OverloadPolicy::Continue

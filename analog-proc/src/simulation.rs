@@ -8,19 +8,19 @@
 //! applied, what ended the run), and most of it says what each promises.
 
 use interface::Tick;
+use std::ops::ControlFlow;
 
 use crate::block::dac::DacPiece;
-use crate::block::delay::POINTS;
 use crate::block::logic::Edge;
-use crate::event::Happenings;
 use crate::fault::RunFault;
-use crate::integrate::{Scheme, Step};
-use crate::machine::{Frozen, Machine};
+use crate::machine::Machine;
 use crate::mode::{Mismatch, Mode};
 use crate::net::{BlockId, Expected, Integration, Method, NetId, OverloadPolicy};
-use crate::operate::{Engine, Recorder};
+pub use crate::operate::{Attendant, Pulse, Sink};
+use crate::operate::{Engine, Heed, Recorder};
 use crate::order::Ordered;
 use crate::overload::LatchedOverload;
+use crate::remark::Remark;
 
 /// How far a call came.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,39 +90,7 @@ impl Simulation {
         let integration = ordered.netlist.integration;
         check(&integration)?;
         let machine = Machine::new(ordered)?;
-        let frozen: Frozen = machine.frozen();
-        let (states, slots) = (machine.states, machine.slots);
-        let watched = machine.watched.len();
-        let atol: Vec<f64> = machine
-            .scales
-            .iter()
-            .map(|s| s * integration.atol)
-            .collect();
-        let engine = Engine {
-            frozen,
-            ics: machine.ics.clone(),
-            nets: machine.initial_nets.clone(),
-            probe: machine.initial_nets.clone(),
-            before: vec![0.0; slots],
-            step: Step::new(states),
-            scheme: Scheme::new(integration.method, states),
-            atol,
-            integration,
-            t_s: 0.0,
-            next_step_s: 0.0,
-            former_error: 1e-4,
-            margins: vec![0.0; watched],
-            margins_low: vec![0.0; watched],
-            margins_high: vec![0.0; watched],
-            margins_start: vec![0.0; watched],
-            delay_samples: vec![[0.0; POINTS]; machine.lines.len()],
-            happenings: Happenings::default(),
-            overloads: Vec::new(),
-            chatter_from_s: 0.0,
-            chatter: 0,
-            statistics: Statistics::default(),
-            machine,
-        };
+        let engine = Engine::new(machine, integration);
         let mut simulation = Simulation {
             engine,
             mode: Mode::InitialCondition,
@@ -188,7 +156,20 @@ impl Simulation {
     /// # Errors
     /// Any [`RunFault`]; it stands until the next reset.
     pub fn advance_to(&mut self, t: Tick) -> Result<Advance, RunFault> {
-        self.advance(t, None)
+        self.advance_attended(t, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// As [`Simulation::advance_to`], asking `attendant` every few thousand derivative
+    /// passes whether to go on; when and what it answers alters nothing else.
+    ///
+    /// # Errors
+    /// As [`Simulation::advance_to`], and [`RunFault::Halted`].
+    pub fn advance_attended(
+        &mut self,
+        t: Tick,
+        attendant: &mut Attendant<'_>,
+    ) -> Result<Advance, RunFault> {
+        self.advance(t, None, attendant)
     }
 
     /// As [`Simulation::advance_to`], handing the nets to `sink` at each multiple of
@@ -204,18 +185,40 @@ impl Simulation {
         nets: &[NetId],
         mut sink: impl FnMut(f64, &[f64]),
     ) -> Result<Advance, RunFault> {
+        let mut sink = |t_s: f64, values: &[f64]| {
+            sink(t_s, values);
+            ControlFlow::Continue(())
+        };
+        self.advance_recording_attended(t, every, nets, &mut sink, &mut |_| {
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// Both: a sink that may have had enough, and an attendant.
+    ///
+    /// # Errors
+    /// As [`Simulation::advance_attended`]; a recorded value that is not finite.
+    pub fn advance_recording_attended(
+        &mut self,
+        t: Tick,
+        every: Tick,
+        nets: &[NetId],
+        sink: &mut Sink<'_>,
+        attendant: &mut Attendant<'_>,
+    ) -> Result<Advance, RunFault> {
         let slots: Vec<u32> = nets
             .iter()
             .map(|n| self.engine.machine.slot_of_net[n.index()])
             .collect();
-        let mut recorder = Recorder::new(self.engine.t_s, every, slots, &mut sink);
-        self.advance(t, Some(&mut recorder))
+        let mut recorder = Recorder::new(self.engine.t_s, every, slots, sink);
+        self.advance(t, Some(&mut recorder), attendant)
     }
 
     fn advance(
         &mut self,
         t: Tick,
         recorder: Option<&mut Recorder<'_>>,
+        attendant: &mut Attendant<'_>,
     ) -> Result<Advance, RunFault> {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
@@ -230,7 +233,9 @@ impl Simulation {
             });
         }
         self.mode = Mode::Operate;
-        let result = self.engine.operate(t.secs(), recorder);
+        let passes = self.engine.step.evaluations;
+        let mut heed = Heed::new(self.engine.machine.states, passes, attendant);
+        let result = self.engine.operate(t.secs(), recorder, &mut heed);
         let stopped_by = self.keep(result)?;
         if stopped_by.is_some() {
             match self.engine.integration.overload {
@@ -401,12 +406,16 @@ impl Simulation {
         Ok(())
     }
 
+    /// What the reader of the results should know, since the last reset.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<Remark> {
+        self.engine.remarks()
+    }
+
     /// Counts since the last reset.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
-        let mut statistics = self.engine.statistics;
-        statistics.evaluations = self.engine.step.evaluations;
-        statistics
+        self.engine.pulse().statistics
     }
 
     /// The program.

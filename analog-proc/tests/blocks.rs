@@ -3,7 +3,7 @@
 //! Default settings claim 1e-8 relative of integrated results. Memoryless blocks are
 //! compared with their formulas to the rounding of the few operations in them.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::disallowed_methods)]
 
 mod common;
 

@@ -118,7 +118,7 @@ pub fn airframe_at(
     let fin_arm_m = geometry.fin_x_m - mass.cg_x_m;
     let tip_pair_n = 2.0 * q_pa * data.aero.tip_area_m2 * aero.tip_slope;
     let disturbance = &data.disturbance;
-    let misalignment_arm_m = disturbance.thrust_misalign_deg.to_radians().sin()
+    let misalignment_arm_m = libm::sin(disturbance.thrust_misalign_deg.to_radians())
         * (mass.cg_x_m - geometry.nozzle_x_m)
         + disturbance.cg_offset_m;
 

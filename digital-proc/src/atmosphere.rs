@@ -93,9 +93,9 @@ fn within_layer(layer: usize, base: (f64, f64), geopotential_m: f64) -> (f64, f6
     let rise_m = geopotential_m - base_m;
     let temperature_k = base_k + lapse * rise_m;
     let pressure_pa = if lapse == 0.0 {
-        base_pa * (-hydrostatic * rise_m / base_k).exp()
+        base_pa * libm::exp(-hydrostatic * rise_m / base_k)
     } else {
-        base_pa * (base_k / temperature_k).powf(hydrostatic / lapse)
+        base_pa * libm::pow(base_k / temperature_k, hydrostatic / lapse)
     };
     (temperature_k, pressure_pa)
 }

@@ -1,9 +1,9 @@
 //! Faults of a user's file, with the place and the remedy.
 //!
 //! All faults that can be told apart are reported together, each with its line;
-//! what the TOML reader itself refuses ends the reading and comes alone. It refuses
-//! what is no file: reading from a pipe might never end.
+//! what the TOML reader itself refuses ends the reading and comes alone.
 
+use interface::user_file;
 use std::{fmt, ops::Range, path::Path};
 
 /// One fault of a file.
@@ -54,9 +54,6 @@ impl FileFaults {
     }
 }
 
-/// Largest file that is read, bytes: a hundred times the shipped ones.
-const LARGEST: u64 = 4 << 20;
-
 /// Reads a file and hands its name and text to `parse`.
 ///
 /// # Errors
@@ -66,28 +63,12 @@ pub fn load<T>(
     parse: impl FnOnce(&str, &str) -> Result<T, FileFaults>,
 ) -> Result<T, FileFaults> {
     let file = path.display().to_string();
-    let refused = |fault: String, remedy: &str| FileFault {
+    let text = user_file::read_text(path).map_err(|error| FileFault {
         file: file.clone(),
         place: None,
-        fault,
-        remedy: remedy.to_owned(),
-    };
-    let unreadable = |error: std::io::Error| {
-        refused(
-            format!("cannot be read: {error}"),
-            "check the path and its permissions",
-        )
-    };
-    let about = std::fs::metadata(path).map_err(unreadable)?;
-    if !about.is_file() {
-        return Err(refused("is no file".to_owned(), "name a TOML file").into());
-    }
-    if about.len() > LARGEST {
-        let fault = format!("has {} bytes", about.len());
-        let remedy = format!("a file here has at most {LARGEST}");
-        return Err(refused(fault, &remedy).into());
-    }
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        fault: format!("cannot be read: {error}"),
+        remedy: "name a TOML file, and check its permissions".to_owned(),
+    })?;
     parse(&file, &text)
 }
 

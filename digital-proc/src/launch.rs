@@ -8,6 +8,7 @@
 
 use interface::{
     Side,
+    command_line::expect_files,
     link::{AnalogPort, DigitalPort, LinkFault, Patience, memory, shm::ShmDigital},
     session::{Session, SessionError},
 };
@@ -52,6 +53,9 @@ pub enum LaunchFault {
     /// The link could not be opened.
     #[error(transparent)]
     Link(#[from] LinkFault),
+    /// Too few files may be opened for a link.
+    #[error("{0}")]
+    Files(String),
     /// The process could not be started.
     #[error("cannot start analog-proc: {0}")]
     Spawn(#[source] std::io::Error),
@@ -81,6 +85,9 @@ impl Started {
         interrupted: Arc<AtomicBool>,
     ) -> Result<Started, LaunchFault> {
         let patience = Patience::interrupted_by(interrupted);
+        if *link != LinkChoice::Memory {
+            expect_files().map_err(LaunchFault::Files)?;
+        }
         match link {
             LinkChoice::Memory => {
                 let (mut far, near) = memory::pair_with(&patience);
@@ -171,6 +178,8 @@ impl Drop for Guard {
         // No goodbye was said: this side was interrupted or failed.
         if let Some(pid) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
             let _ = kill_process(pid, Signal::TERM);
+            // One that is stopped hears of it only when it goes on.
+            let _ = kill_process(pid, Signal::CONT);
         }
         if self.wait(FAREWELL).is_none() {
             let _ = self.child.kill();

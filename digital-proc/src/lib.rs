@@ -3,7 +3,7 @@
 //! It meets the analog side only through `interface`: a [`console`] names its
 //! channels, [`launch`] starts it, [`executive`] says which task is due when.
 //! Numeric modules do no I/O; [`cli`] is the only one that talks to the user.
-#![cfg_attr(test, allow(clippy::unwrap_used))]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod airframe;
 pub mod atmosphere;
@@ -16,6 +16,7 @@ pub mod flight_mode;
 pub mod flight_summary;
 pub mod gain_schedule;
 pub mod launch;
+mod matrix_exp;
 pub mod patch_source;
 pub mod pitch_programme;
 pub mod progress;

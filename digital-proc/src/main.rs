@@ -11,6 +11,9 @@ fn main() -> ExitCode {
         .and_then(|name| Path::new(name).file_name())
         .is_some_and(|name| name == "analog-proc");
     if is_analog {
+        // Started by way of /proc/self/exe it would be `exe` in a list of processes. Where
+        // the system refuses, only that list is the poorer.
+        let _ = rustix::thread::set_name(c"analog-proc");
         analog_proc::cli::main()
     } else {
         digital_proc::cli::main(digital_proc::launch::AnalogEntry {

@@ -4,7 +4,7 @@
 //! them and tells every fault with its line. Paths are those of the bundle: relative to the
 //! root's folder, so that a bundle is the same wherever it lies.
 
-use interface::control::PatchBundle;
+use interface::{control::PatchBundle, user_file};
 use std::path::{Path, PathBuf};
 
 /// Files beyond this are not followed: a patch that uses itself would have no end.
@@ -32,7 +32,7 @@ pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchUnreadable> {
         .file_name()
         .map(|n| n.to_string_lossy().into_owned())
         .unwrap_or_default();
-    let text = std::fs::read_to_string(path).map_err(|cause| PatchUnreadable {
+    let text = user_file::read_text(path).map_err(|cause| PatchUnreadable {
         path: path.to_owned(),
         cause,
     })?;
@@ -49,7 +49,7 @@ pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchUnreadable> {
             let known = files.iter().any(|(n, _)| *n == name);
             if !known
                 && files.len() < MOST_FILES
-                && let Ok(text) = std::fs::read_to_string(folder.join(&name))
+                && let Ok(text) = user_file::read_text(&folder.join(&name))
             {
                 files.push((name, text));
             }

@@ -14,13 +14,14 @@ pub struct Saturations {
 }
 
 impl Saturations {
-    /// Takes in the flags of one frame.
-    pub fn note(&mut self, samples: &Samples) {
+    /// Takes in the flags of one frame; whether there was any.
+    pub fn note(&mut self, samples: &Samples) -> bool {
         self.adc |= samples.adc_saturated;
         self.dac |= samples.dac_saturated;
         for (all, new) in self.dcu.iter_mut().zip(samples.dcu_saturated) {
             *all |= new;
         }
+        (samples.adc_saturated | samples.dac_saturated) != 0 || samples.dcu_saturated != [0, 0]
     }
 
     /// The saturated channels as `ADC alpha`, in the order of `channels`.

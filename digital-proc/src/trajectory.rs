@@ -141,7 +141,7 @@ pub struct Flow {
 /// The flow at a trajectory state.
 pub fn flow_at(wind: &Wind, state: &TrajectoryState) -> Flow {
     let sample = wind.at(state.altitude_m);
-    let (sine, cosine) = state.path_angle_rad.sin_cos();
+    let (sine, cosine) = libm::sincos(state.path_angle_rad);
     let up_mps = state.speed_mps * sine;
     let along_mps = state.speed_mps * cosine - sample.along_mps;
     let airspeed_mps =
@@ -150,8 +150,8 @@ pub fn flow_at(wind: &Wind, state: &TrajectoryState) -> Flow {
     edges.note(TableName::Wind, sample.edge);
     Flow {
         airspeed_mps,
-        air_path_angle_rad: up_mps.atan2(along_mps),
-        crosswind_angle_rad: sample.cross_mps.atan2(airspeed_mps),
+        air_path_angle_rad: libm::atan2(up_mps, along_mps),
+        crosswind_angle_rad: libm::atan2(sample.cross_mps, airspeed_mps),
         edges,
     }
 }
@@ -190,9 +190,9 @@ pub fn derivative(
     let radius_m = site.earth_radius_m + state.altitude_m;
     let gravity_mps2 = site.mu_m3ps2 / (radius_m * radius_m);
     let local_pitch_rad = pitch_rad + state.range_angle_rad;
-    let (sin_a, cos_a) = (local_pitch_rad - state.path_angle_rad).sin_cos();
+    let (sin_a, cos_a) = libm::sincos(local_pitch_rad - state.path_angle_rad);
     let incidence_rad = local_pitch_rad - flow.air_path_angle_rad;
-    let (sin_g, cos_g) = state.path_angle_rad.sin_cos();
+    let (sin_g, cos_g) = libm::sincos(state.path_angle_rad);
     let axial_n = airframe.thrust_n - airframe.axial_force_n;
     let normal_n = airframe.normal_force_slope_nprad * incidence_rad - control_force_n;
     let speed_mps = state.speed_mps;

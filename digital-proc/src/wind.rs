@@ -148,7 +148,7 @@ impl SyntheticWind {
         let envelope = self.envelope_mps.lookup(altitude_m);
         let depth_m = self.reference_m - altitude_m;
         let steady_mps = if depth_m > 0.0 {
-            let sheared = self.reference_mps - self.shear * depth_m.powf(SHEAR_EXPONENT);
+            let sheared = self.reference_mps - self.shear * libm::pow(depth_m, SHEAR_EXPONENT);
             // The model's definition, not a repair: calm below the shear layer.
             sheared.max(0.0).min(envelope.value)
         } else {
@@ -169,7 +169,7 @@ impl SyntheticWind {
             return 0.0;
         }
         let from_edge_m = above_m.min(length_m - above_m).min(GUST_EDGE_M);
-        0.5 * (1.0 - (std::f64::consts::PI * from_edge_m / GUST_EDGE_M).cos())
+        0.5 * (1.0 - libm::cos(std::f64::consts::PI * from_edge_m / GUST_EDGE_M))
     }
 }
 

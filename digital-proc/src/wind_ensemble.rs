@@ -6,12 +6,10 @@
 //! g_{i+1} = e^{−Δh/L} g_i + √(1 − e^{−2Δh/L}) n_i, n standard normal. The
 //! recursion is exact for any spacing. Numbers are those of `[windstat]`; with
 //! mean + 1.65 σ close to the envelope, the envelope is a 95 % one.
-//! A member depends on its seed alone (Xoshiro256++), not on the platform or on
-//! the order of drawing.
+//! A member depends on its seed alone, not on the platform or on the order of
+//! drawing.
 
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use interface::deviate::Normal;
 
 use crate::table::{Table, TableError};
 use crate::vehicle::Vehicle;
@@ -43,7 +41,7 @@ pub fn member(vehicle: &Vehicle, sign: f64, seed: u64) -> Result<Wind, TableErro
         .ceil()
         .clamp(1.0, MOST_POINTS);
     let spacing_m = (highest_m - lowest_m) / intervals;
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut random = Normal::seeded(seed);
     let mut large = GaussMarkov::start(statistics.large_length_m, spacing_m, &mut random);
     let mut small = GaussMarkov::start(statistics.small_length_m, spacing_m, &mut random);
     let (mut altitude_m, mut along_mps) = (Vec::new(), Vec::new());
@@ -72,18 +70,17 @@ struct GaussMarkov {
 }
 
 impl GaussMarkov {
-    fn start(length_m: f64, spacing_m: f64, random: &mut Xoshiro256PlusPlus) -> Self {
-        let carry = (-spacing_m / length_m).exp();
+    fn start(length_m: f64, spacing_m: f64, random: &mut Normal) -> Self {
+        let carry = libm::exp(-spacing_m / length_m);
         Self {
-            value: StandardNormal.sample(random),
+            value: random.draw(),
             carry,
             fresh: (1.0 - carry * carry).sqrt(),
         }
     }
 
-    fn advance(&mut self, random: &mut Xoshiro256PlusPlus) {
-        let normal: f64 = StandardNormal.sample(random);
-        self.value = self.carry * self.value + self.fresh * normal;
+    fn advance(&mut self, random: &mut Normal) {
+        self.value = self.carry * self.value + self.fresh * random.draw();
     }
 }
 

@@ -143,7 +143,7 @@ impl Settling {
             return driven;
         }
         // exp_m1 keeps short times exact: y − y0 is not a difference of large numbers.
-        let rise = -(-elapsed_s / tau).exp_m1();
+        let rise = -libm::expm1(-elapsed_s / tau);
         start + (value - start - slope * tau) * rise + slope * elapsed_s
     }
 }

@@ -2,12 +2,15 @@
 //!
 //! It depends on neither. It defines problem time ([`Tick`]), the frames that
 //! cross at sampled rates ([`frame`]), the slow control plane ([`control`]),
-//! and two links behind one pair of traits ([`link`]).
-#![cfg_attr(test, allow(clippy::unwrap_used))]
+//! two links behind one pair of traits ([`link`]), and what both command lines
+//! share ([`command_line`]).
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod coefficient;
+pub mod command_line;
 pub mod control;
 pub mod converter;
+pub mod deviate;
 pub mod frame;
 pub mod hold;
 pub mod link;
@@ -16,6 +19,7 @@ pub mod profile;
 pub mod protocol;
 pub mod session;
 pub mod tick;
+pub mod user_file;
 
 pub use protocol::Side;
 pub use tick::Tick;

@@ -1,7 +1,10 @@
 //! The case study on the machine: its claims hold, and can be made to fail; a user's own
 //! files run through, and mistakes in them are told with their place.
 
-use crate::bench_top::{BenchTop, DIGITAL, expect};
+use crate::{
+    bench_top::{BenchTop, DIGITAL, expect},
+    golden,
+};
 use analog_proc::serve::serve;
 use digital_proc::{
     console::Console,
@@ -191,7 +194,7 @@ fn numbers(directory: &Path) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn the_whole_case_study_holds_and_both_links_give_the_same_numbers() {
+fn the_whole_case_study_holds_and_both_links_give_its_golden_numbers() {
     let bench = BenchTop::new();
     let runs = bench.runs();
     let run = |link: &str| {
@@ -215,6 +218,10 @@ fn the_whole_case_study_holds_and_both_links_give_the_same_numbers() {
             .unwrap(),
     );
     assert!(first == second, "the memory link differs");
+    let summary: serde_json::Value = serde_json::from_slice(&first[0]).unwrap();
+    let parts = ["claims", "long_period", "short_period"];
+    let found = parts.map(|part| (part.to_owned(), golden::of_json(&summary[part])));
+    golden::hold("case-study", found.into());
     let report = std::fs::read_to_string(directory.join("report.html")).unwrap();
     for outside in ["<script", "src=", "href=\"http", "url("] {
         assert!(!report.contains(outside), "{outside}");

@@ -182,7 +182,7 @@ fn run_chapter(heading: &str) {
 }
 
 /// The chapters with commands, each with a test below.
-const TESTED: [&str; 8] = [
+const TESTED: [&str; 9] = [
     "The language",
     "The shipped patches",
     "Exercise 1",
@@ -191,6 +191,7 @@ const TESTED: [&str; 8] = [
     "Exercise 4",
     "Exercise 5",
     "Exercise 6",
+    "A loop of your own",
 ];
 
 #[test]
@@ -213,6 +214,11 @@ fn the_language() {
 #[test]
 fn the_shipped_patches() {
     run_chapter(TESTED[1]);
+}
+
+#[test]
+fn a_loop_of_your_own() {
+    run_chapter(TESTED[8]);
 }
 
 #[test]

@@ -110,3 +110,55 @@ fn an_interrupt_ends_both_sides_cleanly() {
     assert!(trace_rows(&bench.run_directories()[0]) > 0);
     bench.assert_clean();
 }
+
+#[test]
+fn a_stopped_side_is_given_up_within_two_seconds() {
+    for stop_analog in [true, false] {
+        let bench = BenchTop::alone();
+        let child = bench.fly(&LONG).spawn().unwrap();
+        let digital = child.id();
+        let analog = partner_of(&child);
+        std::thread::sleep(Duration::from_millis(200));
+        if stop_analog {
+            signal(analog, Signal::STOP);
+        } else {
+            signal(digital, Signal::STOP);
+            until("the end of analog-proc", 2 * NOTICE, || {
+                (!runs(analog)).then_some(())
+            });
+            signal(digital, Signal::CONT);
+        }
+        let (output, took) = wait_within(child, Duration::from_secs(10));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{text}");
+        assert!(took < 2 * NOTICE && !runs(analog), "{took:?}");
+        assert!(!stop_analog || text.contains("stopped"), "{text}");
+        bench.assert_clean();
+    }
+}
+
+#[test]
+fn a_side_that_is_stopped_for_a_second_loses_nothing() {
+    let bench = BenchTop::alone();
+    for pause in [None, Some(true), Some(false)] {
+        let child = bench.fly(&LONG).spawn().unwrap();
+        if let Some(stop_analog) = pause {
+            let analog = partner_of(&child);
+            std::thread::sleep(Duration::from_millis(200));
+            let side = if stop_analog { analog } else { child.id() };
+            signal(side, Signal::STOP);
+            std::thread::sleep(Duration::from_secs(1));
+            signal(side, Signal::CONT);
+        }
+        let (output, _) = wait_within(child, Duration::from_secs(60));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{pause:?}: {text}");
+    }
+    let traces: Vec<Vec<u8>> = bench
+        .run_directories()
+        .iter()
+        .map(|d| std::fs::read(d.join("trace.arrow")).unwrap())
+        .collect();
+    assert!(traces.len() == 3 && traces.iter().all(|t| *t == traces[0]));
+    bench.assert_clean();
+}

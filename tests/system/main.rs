@@ -1,16 +1,21 @@
 //! The machine as a user meets it: two real processes, started, joined, killed.
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used, clippy::disallowed_methods, missing_docs)]
 
 mod bench_top;
 mod case_study;
 mod determinism;
+mod endings;
 mod exercises;
 mod faults;
 mod flight;
 mod frame_cycle;
 mod gain_design;
+mod golden;
+mod kills;
 mod long_period;
+mod loop_study;
 mod partition;
 mod replay;
 mod sampling;
 mod sessions;
+mod surroundings;

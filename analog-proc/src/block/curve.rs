@@ -6,6 +6,7 @@
 
 use crate::machine::Frozen;
 use crate::op::Term;
+use crate::signal::Signal;
 
 /// A straight line `y = y0 + slope·(u − x0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,8 +26,8 @@ impl Piece {
     }
 
     #[inline(always)]
-    pub fn at(self, u: f64) -> f64 {
-        self.y0 + self.slope * (u - self.x0)
+    pub fn at<N: Signal>(self, u: N) -> N {
+        N::constant(self.y0) + (u - N::constant(self.x0)) * self.slope
     }
 }
 
@@ -60,20 +61,25 @@ impl Curve {
         &breakpoints[self.start as usize..(self.start + self.len) as usize]
     }
 
-    /// Distance beyond the interval of the present piece; positive outside.
+    /// Distances beyond the ends of the present piece; positive outside.
     #[inline]
-    pub fn margin(&self, region: u32, breakpoints: &[f64], nets: &[f64]) -> f64 {
+    pub fn sides<N: Signal>(
+        &self,
+        region: u32,
+        breakpoints: &[f64],
+        nets: &[N],
+        put: &mut impl FnMut(N),
+    ) {
         let u = self.u.of(nets);
         let corners = self.corners(breakpoints);
         let r = region as usize;
-        let mut margin = f64::NEG_INFINITY;
+        let band = N::constant(self.band);
         if r > 0 {
-            margin = corners[r - 1] - u;
+            put(N::constant(corners[r - 1]) - u - band);
         }
         if let Some(high) = corners.get(r) {
-            margin = margin.max(u - high);
+            put(u - N::constant(*high) - band);
         }
-        margin - self.band
     }
 
     pub fn locate(&self, breakpoints: &[f64], nets: &[f64]) -> u32 {

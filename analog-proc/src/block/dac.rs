@@ -3,6 +3,8 @@
 //! A straight line (slope zero for a zero-order hold), reached from the former
 //! value through a first-order settling where the profile has one.
 
+use crate::signal::Signal;
+
 /// One transfer to a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DacPiece {
@@ -76,8 +78,26 @@ impl Hold {
         let since_s = t_s - self.piece.from_s;
         let mut value = self.piece.value + self.piece.slope_per_s * since_s;
         if self.residue != 0.0 {
-            value += self.residue * (-since_s / self.piece.settling_s).exp();
+            value += self.residue * libm::exp(-since_s / self.piece.settling_s);
         }
         value
+    }
+
+    /// The output with its rate.
+    #[inline(always)]
+    pub fn signal<N: Signal>(&self, t_s: f64) -> N {
+        N::of_time(t_s, self.at_time(t_s), || {
+            let piece = &self.piece;
+            let mut rate = if self.constant {
+                0.0
+            } else {
+                piece.slope_per_s
+            };
+            if self.residue != 0.0 {
+                let fading = self.residue * libm::exp(-(t_s - piece.from_s) / piece.settling_s);
+                rate -= fading / piece.settling_s;
+            }
+            rate
+        })
     }
 }

@@ -7,6 +7,7 @@
 
 use crate::block::curve::Piece;
 use crate::op::Term;
+use crate::signal::Signal;
 
 pub(crate) const STUCK: u32 = 0;
 const FORWARD: u32 = 1;
@@ -23,11 +24,15 @@ pub(crate) struct Friction {
 }
 
 impl Friction {
-    pub fn margin(&self, region: u32, nets: &[f64]) -> f64 {
+    pub fn sides<N: Signal>(&self, region: u32, nets: &[N], put: &mut impl FnMut(N)) {
         match region {
-            STUCK => self.applied.of(nets).abs() - self.breakaway,
-            FORWARD => -self.velocity.of(nets),
-            _ => self.velocity.of(nets),
+            STUCK => {
+                let (applied, limit) = (self.applied.of(nets), N::constant(self.breakaway));
+                put(applied - limit);
+                put(-applied - limit);
+            }
+            FORWARD => put(-self.velocity.of(nets)),
+            _ => put(self.velocity.of(nets)),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::machine::Frozen;
 use crate::op::{Slot, Term};
+use crate::signal::Signal;
 
 /// An integrator with mode control or limits.
 #[derive(Clone, Copy, Debug)]
@@ -65,12 +66,15 @@ impl Stops {
     const LOW: u32 = 0;
     const HIGH: u32 = 2;
 
-    pub fn margin(&self, region: u32, nets: &[f64]) -> f64 {
+    pub fn sides<N: Signal>(&self, region: u32, nets: &[N], put: &mut impl FnMut(N)) {
         let y = nets[self.state as usize];
         match region {
-            Self::LOW => self.rate.of(nets),
-            Self::HIGH => -self.rate.of(nets),
-            _ => (y - self.high).max(self.low - y),
+            Self::LOW => put(self.rate.of(nets)),
+            Self::HIGH => put(-self.rate.of(nets)),
+            _ => {
+                put(y - N::constant(self.high));
+                put(N::constant(self.low) - y);
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! Logic that stores: flip-flop, one-shot, counter, and the interrupt lines that
-//! watch edges. They act after all memoryless logic of an instant, all at once.
+//! watch edges. They act after all memoryless logic of an instant, all at once: each
+//! looks at the levels of before any of them has switched.
 
 use crate::machine::Frozen;
 use crate::op::Slot;
@@ -42,24 +43,16 @@ pub struct Edge {
 }
 
 impl Store {
-    /// The net it drives (of an interrupt line, the net it watches).
-    pub fn output(&self) -> Slot {
-        match *self {
-            Store::FlipFlop { o, .. } | Store::OneShot { o, .. } | Store::Counter { o, .. } => o,
-            Store::Interrupt { input, .. } => input,
-        }
-    }
-
-    /// Acts on the logic as it now stands; true when the output changed.
+    /// Acts on the logic as it now stands: the output and its new value, where it changes.
     pub fn act(
         &self,
         index: usize,
         f: &mut Frozen,
-        nets: &mut [f64],
+        nets: &[f64],
         t_s: f64,
         initial: bool,
         edges: &mut Vec<Edge>,
-    ) -> bool {
+    ) -> Option<(Slot, f64)> {
         let input = match *self {
             Store::FlipFlop { set, .. } => set,
             Store::OneShot { input, .. } | Store::Interrupt { input, .. } => input,
@@ -78,7 +71,7 @@ impl Store {
                 } else if set {
                     1.0
                 } else {
-                    return false;
+                    return None;
                 };
                 (o, value)
             }
@@ -86,7 +79,7 @@ impl Store {
                 o, width_s, timer, ..
             } => {
                 if !rising {
-                    return false;
+                    return None;
                 }
                 f.timer_s[timer as usize] = t_s + width_s;
                 (o, 1.0)
@@ -114,11 +107,9 @@ impl Store {
                         t_s,
                     });
                 }
-                return false;
+                return None;
             }
         };
-        let changed = nets[o as usize] != value;
-        nets[o as usize] = value;
-        changed
+        (nets[o as usize] != value).then_some((o, value))
     }
 }

@@ -8,22 +8,23 @@ pub(crate) mod curve;
 pub mod dac;
 pub(crate) mod delay;
 pub(crate) mod friction;
-pub(crate) mod function;
 pub(crate) mod integrator;
 pub mod logic;
 mod lower;
+pub(crate) mod pace;
 pub(crate) mod piecewise;
 pub(crate) mod source;
 pub(crate) mod surface;
 
 use curve::{Curve, Piece, band};
-use piecewise::{OverloadWatch, Piecewise};
+use pace::Pace;
+use piecewise::Piecewise;
 
 use crate::fault::RunFault;
 use crate::kernel::{Kernel, fold};
 use crate::machine::{Machine, Settle};
 use crate::net::{BlockId, Input, Kind, Level};
-use crate::op::{Op, Slot, Term};
+use crate::op::{Op, Slot, Term, behind, degrees};
 use crate::order::Ordered;
 use crate::overload::OVERLOAD_FACTOR;
 
@@ -34,8 +35,10 @@ struct Lowering {
     varying: Vec<bool>,
     /// Operations whose result varies within a step.
     fast: Vec<Op>,
-    /// Nets that witnesses read.
-    watched: Vec<Slot>,
+    /// Nets that the sides of each watched element read.
+    watched: Vec<Vec<Slot>>,
+    /// The block of each varying operation.
+    block_of_fast: Vec<BlockId>,
     /// Terms of each derivative.
     rates: Vec<(u32, Vec<Term>)>,
     /// Angles whose sine is in a net, their cosine in the net after it.
@@ -53,6 +56,15 @@ fn holds_state(kind: &Kind) -> bool {
     )
 }
 
+/// How often a step is halved before a side of this degree is judged: the peaks of a product
+/// of n sines are narrower by √n, and those of degree four are still seen from the ends of a
+/// step of an eighth of a turn.
+fn halvings(degree: u32) -> u8 {
+    (1..=6)
+        .find(|n| degree <= 4_u32.pow(*n))
+        .map_or(6, |n| n as u8 - 1)
+}
+
 /// Lowers an ordered net.
 pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
     let netlist = &ordered.netlist;
@@ -68,7 +80,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             slot_of_net[net.index()] = states;
             state_of_block[i] = Some(states);
             block_of_state.push(BlockId(i as u32));
-            scales.push(block.max.filter(|m| *m > 0.0).unwrap_or(1.0));
+            scales.push(block.max.filter(|m| *m > 0.0));
             states += 1;
         }
     }
@@ -103,7 +115,10 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             initial_nets: vec![0.0; slots as usize],
             elements: Vec::new(),
             watched: Vec::new(),
-            levels: Vec::new(),
+            element_of_side: Vec::new(),
+            halvings: Vec::new(),
+            watch: Vec::new(),
+            paces: Vec::new(),
             breakpoints: Vec::new(),
             initial_pieces: Vec::new(),
             tables: Vec::new(),
@@ -124,6 +139,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         varying,
         fast: Vec::new(),
         watched: Vec::new(),
+        block_of_fast: Vec::new(),
         rates: Vec::new(),
         angles: Vec::new(),
         block: BlockId(0),
@@ -141,14 +157,35 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         mut m,
         rates,
         fast,
-        watched: seen,
+        watched: read_by,
+        block_of_fast,
         ..
     } = lowering;
-    let elements = &m.elements;
-    let watch = |e: u32| OverloadWatch::of(&elements[e as usize].1, e);
-    m.watched.sort_by_key(|e| watch(*e).is_some());
-    m.levels = m.watched.iter().filter_map(|e| watch(*e)).collect();
-    m.kernel = fold(&fast, &m.terms, &rates, &seen, m.slots);
+    let mut seen = read_by.concat();
+    seen.extend(m.lines.iter().map(|line| line.input.slot));
+    let mut needed = seen.clone();
+    needed.extend(rates.iter().flat_map(|rate| rate.1.iter().map(|t| t.slot)));
+    let live = behind(&fast, &m.terms, &needed, m.slots);
+    for ((op, block), live) in fast.iter().zip(&block_of_fast).zip(live) {
+        if let (true, Some(pace)) = (live, Pace::of(op)) {
+            pace.reads(|slot| seen.push(slot));
+            m.paces.push((pace, *block));
+        }
+    }
+    let watch = behind(&fast, &m.terms, &seen, m.slots);
+    let watched = fast.iter().zip(watch);
+    m.watch = watched
+        .filter_map(|(op, seen)| seen.then_some(*op))
+        .collect();
+    let degree = degrees(&fast, &m.terms, m.slots);
+    for (e, reads) in m.watched.iter().zip(&read_by) {
+        let sides = m.elements[*e as usize].1.side_count();
+        m.element_of_side.extend(std::iter::repeat_n(*e, sides));
+        let greatest = reads.iter().map(|slot| degree[*slot as usize]).max();
+        let halvings = halvings(greatest.unwrap_or(1));
+        m.halvings.extend(std::iter::repeat_n(halvings, sides));
+    }
+    m.kernel = fold(&fast, &m.terms, &rates, m.slots);
     Ok(m)
 }
 
@@ -208,6 +245,7 @@ impl Lowering {
         self.m.settle.push(Settle::Op(op));
         if varying {
             self.fast.push(op);
+            self.block_of_fast.push(self.block);
         }
     }
 
@@ -270,14 +308,14 @@ impl Lowering {
             .map_err(|_| self.malformed("wrong number of inputs"))
     }
 
-    /// Adds an element and its decision; `reads` are the nets of its witness.
+    /// Adds an element and its decision; `reads` are the nets of its sides.
     fn element(&mut self, element: Piecewise, reads: &[Slot]) -> u32 {
         let e = self.m.elements.len() as u32;
         self.m.elements.push((self.block, element));
         self.m.settle.push(Settle::Decide(e));
         if self.vary(reads) {
             self.m.watched.push(e);
-            self.watched.extend_from_slice(reads);
+            self.watched.push(reads.to_vec());
         }
         e
     }

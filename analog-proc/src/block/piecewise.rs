@@ -1,9 +1,10 @@
 //! Elements with regions: everything whose right-hand side has corners or jumps.
 //!
-//! Within a step the region is frozen, so that the equations are smooth; the
-//! witness function ([`Piecewise::margin`]) is positive where the region must
-//! be left. The region is chosen anew only at events, by [`Piecewise::choose`],
-//! and the two agree: a region is kept exactly while its margin is not positive.
+//! Within a step the region is frozen, so that the equations are smooth. A region
+//! has one or more sides ([`Piecewise::sides`]), each a smooth function that is
+//! positive beyond it. The region is chosen anew only at events, by
+//! [`Piecewise::choose`], and the two agree: it is kept while no side is positive, by
+//! more than the rounding of a signal that returns.
 
 use crate::block::curve::{Curve, Piece};
 use crate::block::friction::{Friction, STUCK};
@@ -11,6 +12,7 @@ use crate::block::integrator::Stops;
 use crate::block::surface::Cell;
 use crate::machine::{Frozen, Machine};
 use crate::op::{Slot, Term};
+use crate::signal::Signal;
 
 /// Region of an element that has not been settled yet.
 pub(crate) const UNSET: u32 = u32::MAX;
@@ -82,119 +84,128 @@ pub(crate) enum Piecewise {
 
 /// Makes a closed surface (reached at equality) count as crossed at equality.
 #[inline(always)]
-fn closed(margin: f64) -> f64 {
-    if margin == 0.0 {
-        f64::MIN_POSITIVE
+fn closed<N: Signal>(side: N) -> N {
+    if side.value() == 0.0 {
+        side + N::constant(f64::MIN_POSITIVE)
     } else {
-        margin
-    }
-}
-
-/// An overload witness: every block with a `max` has one, so they are looked at in one loop.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct OverloadWatch {
-    pub element: u32,
-    net: Slot,
-    level: f64,
-}
-
-impl OverloadWatch {
-    pub fn of(piecewise: &Piecewise, element: u32) -> Option<OverloadWatch> {
-        match *piecewise {
-            Piecewise::Overload { net, level } => Some(OverloadWatch {
-                element,
-                net,
-                level,
-            }),
-            _ => None,
-        }
-    }
-
-    #[inline(always)]
-    pub fn margin(&self, region: u32, nets: &[f64]) -> f64 {
-        if region == 0 {
-            nets[self.net as usize].abs() - self.level
-        } else {
-            f64::NEG_INFINITY
-        }
+        side
     }
 }
 
 impl Piecewise {
-    /// Positive where the present region must be left; its zero is the switching surface.
-    #[inline]
-    pub fn margin(&self, region: u32, m: &Machine, nets: &[f64]) -> f64 {
+    /// The most sides that any region has.
+    pub fn side_count(&self) -> usize {
         match self {
-            Piecewise::Curve(curve) => curve.margin(region, &m.breakpoints, nets),
+            Piecewise::Curve(_)
+            | Piecewise::DeadZone { .. }
+            | Piecewise::Limiter { .. }
+            | Piecewise::Friction(_)
+            | Piecewise::Overload { .. }
+            | Piecewise::Stops(_) => 2,
+            Piecewise::Extremum { len, .. } => *len as usize - 1,
+            Piecewise::Cell(_) => 4,
+            Piecewise::Comparator { .. }
+            | Piecewise::Relay { .. }
+            | Piecewise::Sheet { .. }
+            | Piecewise::Divisor { .. }
+            | Piecewise::Radicand { .. } => 1,
+        }
+    }
+
+    /// The sides of the present region: each is smooth within a step, and positive where
+    /// the region must be left; its zero is the switching surface.
+    #[inline]
+    pub fn sides<N: Signal>(&self, region: u32, m: &Machine, nets: &[N], put: &mut impl FnMut(N)) {
+        let net = |slot: Slot| nets[slot as usize];
+        let rounding = |value: f64| N::constant(4.0 * f64::EPSILON * value.abs());
+        match self {
+            Piecewise::Curve(curve) => curve.sides(region, &m.breakpoints, nets, put),
             Piecewise::DeadZone { u, width } => {
-                let (u, w) = (u.of(nets), nets[*width as usize]);
-                let band = 4.0 * f64::EPSILON * w.abs();
+                let (u, w) = (u.of(nets), net(*width));
+                let band = rounding(w.value());
                 match region {
-                    0 => u + w - band,
-                    1 => u.abs() - w - band,
-                    _ => w - u - band,
+                    0 => put(u + w - band),
+                    1 => {
+                        put(u - w - band);
+                        put(-u - w - band);
+                    }
+                    _ => put(w - u - band),
                 }
             }
             Piecewise::Limiter { u, low, high } => {
-                let (u, low, high) = (u.of(nets), nets[*low as usize], nets[*high as usize]);
-                let band = 4.0 * f64::EPSILON * low.abs().max(high.abs());
+                let (u, low, high) = (u.of(nets), net(*low), net(*high));
+                let band = rounding(low.value().abs().max(high.value().abs()));
                 match region {
-                    0 => (u - low).max(u - high) - band,
-                    1 => (u - high).max(low - u) - band,
-                    _ => high - u - band,
+                    0 => {
+                        put(u - low - band);
+                        put(u - high - band);
+                    }
+                    1 => {
+                        put(u - high - band);
+                        put(low - u - band);
+                    }
+                    _ => put(high - u - band),
                 }
             }
             Piecewise::Extremum { start, len, sign } => {
                 let terms = &m.terms[*start as usize..(*start + *len) as usize];
-                let mine = sign * terms[region as usize].of(nets);
-                let mut best = f64::NEG_INFINITY;
+                let mine = terms[region as usize].of(nets) * *sign;
+                let band = rounding(mine.value());
                 for (i, term) in terms.iter().enumerate() {
                     if i != region as usize {
-                        best = best.max(sign * term.of(nets));
+                        put(term.of(nets) * *sign - mine - band);
                     }
                 }
-                best - mine - 4.0 * f64::EPSILON * mine.abs()
             }
             Piecewise::Comparator {
                 u,
                 on_above,
                 off_at,
-            } => {
-                if region == 0 {
-                    u.of(nets) - on_above
-                } else {
-                    closed(off_at - u.of(nets))
-                }
-            }
-            Piecewise::Relay { u, points, .. } => {
-                if region == 0 {
-                    u.of(nets) - points[1]
-                } else {
-                    points[0] - u.of(nets)
-                }
-            }
-            Piecewise::Friction(friction) => friction.margin(region, nets),
+            } => put(if region == 0 {
+                u.of(nets) - N::constant(*on_above)
+            } else {
+                closed(N::constant(*off_at) - u.of(nets))
+            }),
+            Piecewise::Relay { u, points, .. } => put(if region == 0 {
+                u.of(nets) - N::constant(points[1])
+            } else {
+                N::constant(points[0]) - u.of(nets)
+            }),
+            Piecewise::Friction(friction) => friction.sides(region, nets, put),
             Piecewise::Cell(cell) => {
-                m.tables[cell.table as usize].margin(region, cell.x.of(nets), cell.y.of(nets))
+                let table = &m.tables[cell.table as usize];
+                table.sides(region, cell.x.of(nets), cell.y.of(nets), put);
             }
-            Piecewise::Sheet { y } => {
+            Piecewise::Sheet { y } => put(if region == 0 {
+                -y.of(nets)
+            } else {
+                closed(y.of(nets))
+            }),
+            Piecewise::Divisor { u } => {
+                put(closed(if region == 0 { -u.of(nets) } else { u.of(nets) }))
+            }
+            Piecewise::Radicand { u } => put(-u.of(nets)),
+            Piecewise::Overload { net: slot, level } => {
                 if region == 0 {
-                    -y.of(nets)
-                } else {
-                    closed(y.of(nets))
+                    let level = N::constant(*level);
+                    put(net(*slot) - level);
+                    put(-net(*slot) - level);
                 }
             }
-            Piecewise::Divisor { u } => closed(if region == 0 { -u.of(nets) } else { u.of(nets) }),
-            Piecewise::Radicand { u } => -u.of(nets),
-            Piecewise::Overload { net, level } => {
-                if region == 0 {
-                    nets[*net as usize].abs() - level
-                } else {
-                    f64::NEG_INFINITY
-                }
-            }
-            Piecewise::Stops(stops) => stops.margin(region, nets),
+            Piecewise::Stops(stops) => stops.sides(region, nets, put),
         }
+    }
+
+    /// The greatest of the sides; the region is kept while it is not positive.
+    fn margin(&self, region: u32, m: &Machine, nets: &[f64]) -> f64 {
+        let mut margin = f64::NEG_INFINITY;
+        self.sides(region, m, nets, &mut |side: f64| {
+            // What is undefined is not kept.
+            if side > margin || side.is_nan() {
+                margin = side;
+            }
+        });
+        margin
     }
 
     /// The net that an overload witness watches.
@@ -229,7 +240,7 @@ impl Piecewise {
         if let Some(region) = known
             && !matches!(self, Piecewise::Stops(_))
             && !(sharp && self.has_allowance())
-            && self.margin(region, m, nets) <= 0.0
+            && self.margin(region, m, nets) <= f.held[e]
         {
             // A digital function may have new ordinates in the same region.
             if let Piecewise::Curve(curve) = self {

@@ -3,9 +3,9 @@
 //! What is constant between edges (step, square, noise) is written to its net
 //! by a timer; ramp and sine are evaluated in the pass, after their start.
 
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
+use interface::deviate::Normal;
+
+use crate::signal::Signal;
 
 /// A ramp or a sine.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ pub(crate) enum Waveform {
 
 impl Waveform {
     #[inline]
-    pub fn at(&self, t_s: f64, started: bool) -> f64 {
+    pub fn signal<N: Signal>(&self, t_s: f64, started: bool) -> N {
         match *self {
             Waveform::Ramp {
                 offset,
@@ -34,9 +34,9 @@ impl Waveform {
                 start_s,
             } => {
                 if started {
-                    offset + slope * (t_s - start_s)
+                    N::of_time(t_s, offset + slope * (t_s - start_s), || slope)
                 } else {
-                    offset
+                    N::constant(offset)
                 }
             }
             Waveform::Sine {
@@ -46,12 +46,14 @@ impl Waveform {
                 phase_rad,
                 start_s,
             } => {
-                if started {
-                    let turns = frequency_hz * (t_s - start_s);
-                    offset + amplitude * (std::f64::consts::TAU * turns + phase_rad).sin()
-                } else {
-                    offset
+                if !started {
+                    return N::constant(offset);
                 }
+                let turns = frequency_hz * (t_s - start_s);
+                let angle = std::f64::consts::TAU * turns + phase_rad;
+                N::of_time(t_s, offset + amplitude * libm::sin(angle), || {
+                    std::f64::consts::TAU * frequency_hz * amplitude * libm::cos(angle)
+                })
             }
         }
     }
@@ -162,20 +164,19 @@ impl Timer {
 #[derive(Clone, Debug)]
 pub(crate) struct Noise {
     sigma: f64,
-    generator: Xoshiro256PlusPlus,
+    deviates: Normal,
 }
 
 impl Noise {
     pub fn new(sigma: f64, seed: u64) -> Noise {
         Noise {
             sigma,
-            generator: Xoshiro256PlusPlus::seed_from_u64(seed),
+            deviates: Normal::seeded(seed),
         }
     }
 
     pub fn next(&mut self) -> f64 {
-        let deviate: f64 = StandardNormal.sample(&mut self.generator);
-        self.sigma * deviate
+        self.sigma * self.deviates.draw()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Bilinear function of two variables; one cell is in force within a step.
 
 use crate::op::Term;
+use crate::signal::Signal;
 
 /// Breakpoints and values, row-major `[x][y]`.
 #[derive(Clone, Debug)]
@@ -11,27 +12,27 @@ pub(crate) struct Table {
     pub bands: [f64; 2],
 }
 
-/// Interval index 0..=n (0 below, n above) → cell index and whether the ends hold.
-fn clamp_to(axis: &[f64], interval: usize, u: f64) -> (usize, f64) {
+/// Interval index 0..=n (0 below, n above) → cell index and the place in it; the ends hold.
+fn clamp_to<N: Signal>(axis: &[f64], interval: usize, u: N) -> (usize, N) {
     if interval == 0 {
-        (0, 0.0)
+        (0, N::constant(0.0))
     } else if interval >= axis.len() {
-        (axis.len() - 1, 0.0)
+        (axis.len() - 1, N::constant(0.0))
     } else {
         let cell = interval - 1;
-        (cell, (u - axis[cell]) / (axis[cell + 1] - axis[cell]))
+        let width = N::constant(axis[cell + 1] - axis[cell]);
+        (cell, (u - N::constant(axis[cell])) / width)
     }
 }
 
-fn beyond(axis: &[f64], interval: usize, u: f64, band: f64) -> f64 {
-    let mut margin = f64::NEG_INFINITY;
+fn beyond<N: Signal>(axis: &[f64], interval: usize, u: N, band: f64, put: &mut impl FnMut(N)) {
+    let band = N::constant(band);
     if interval > 0 {
-        margin = axis[interval - 1] - u;
+        put(N::constant(axis[interval - 1]) - u - band);
     }
     if let Some(high) = axis.get(interval) {
-        margin = margin.max(u - high);
+        put(u - N::constant(*high) - band);
     }
-    margin - band
 }
 
 impl Table {
@@ -40,7 +41,7 @@ impl Table {
         (region as usize / stride, region as usize % stride)
     }
 
-    pub fn at(&self, region: u32, x: f64, y: f64) -> f64 {
+    pub fn at<N: Signal>(&self, region: u32, x: N, y: N) -> N {
         let (i, j) = self.split(region);
         let (i, p) = clamp_to(&self.x, i, x);
         let (j, q) = clamp_to(&self.y, j, y);
@@ -48,14 +49,16 @@ impl Table {
         let next_i = (i + 1).min(self.x.len() - 1);
         let next_j = (j + 1).min(columns - 1);
         let z = |i: usize, j: usize| self.z[i * columns + j];
-        let low = z(i, j) + q * (z(i, next_j) - z(i, j));
-        let high = z(next_i, j) + q * (z(next_i, next_j) - z(next_i, j));
+        let along = |i: usize| N::constant(z(i, j)) + q * (z(i, next_j) - z(i, j));
+        let (low, high) = (along(i), along(next_i));
         low + p * (high - low)
     }
 
-    pub fn margin(&self, region: u32, x: f64, y: f64) -> f64 {
+    /// Distances beyond the ends of the present cell; positive outside.
+    pub fn sides<N: Signal>(&self, region: u32, x: N, y: N, put: &mut impl FnMut(N)) {
         let (i, j) = self.split(region);
-        beyond(&self.x, i, x, self.bands[0]).max(beyond(&self.y, j, y, self.bands[1]))
+        beyond(&self.x, i, x, self.bands[0], put);
+        beyond(&self.y, j, y, self.bands[1], put);
     }
 
     pub fn locate(&self, x: f64, y: f64) -> u32 {

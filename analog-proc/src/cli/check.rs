@@ -1,8 +1,8 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
-use super::{CHECK_FAILED, Failure, PatchArgs, is_coloured};
+use super::{Failure, PatchArgs, is_coloured};
 use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
-use interface::{control::StaticCheckLine, profile::Profile};
+use interface::{command_line::CHECK_FAILED, control::StaticCheckLine, profile::Profile, say};
 
 /// Check a patch.
 #[derive(clap::Args)]
@@ -61,15 +61,15 @@ impl Check {
                 "logic": logic,
                 "static-check": lines,
             });
-            println!("{report:#}");
+            say!("{report:#}");
         } else {
-            println!("{}: {}", self.patch.patch.display(), ordered.netlist.title);
-            println!(
+            say!("{}: {}", self.patch.patch.display(), ordered.netlist.title);
+            say!(
                 "  {} blocks, {integrators} of them integrators or lags, {logic} logic; no faults",
                 ordered.netlist.blocks.len()
             );
             for line in &lines {
-                println!("  static check {}", describe(line));
+                say!("  static check {}", describe(line));
             }
         }
         if disagree > 0 {

@@ -2,6 +2,7 @@
 
 use super::{Failure, PatchArgs, expect_output};
 use crate::draw;
+use interface::say;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -22,12 +23,12 @@ impl Draw {
         let compiled = self.patch.compile()?;
         let svg = draw::svg(&compiled.ordered);
         if out.as_os_str() == "-" {
-            println!("{svg}");
+            say!("{svg}");
             return Ok(());
         }
         std::fs::write(&out, svg)
-            .map_err(|e| Failure::input(format!("cannot write {}: {e}", out.display())))?;
-        println!(
+            .map_err(|e| Failure::output(format!("cannot write {}: {e}", out.display())))?;
+        say!(
             "{} blocks drawn to {}",
             compiled.ordered.netlist.blocks.len(),
             out.display()

@@ -1,27 +1,22 @@
 //! The command line of `analog-proc`.
 //!
-//! Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the partner
-//! process failed.
+//! Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the partner process
+//! failed, 4 output could not be written, 130 interrupted.
 
 mod check;
 mod draw;
+mod estimate;
+mod progress;
 mod run;
 mod serve;
 
 use clap::{Args, Parser, Subcommand};
+use interface::command_line::{self, BAD_INPUT, INTERRUPTED, OUTPUT_FAILED};
 use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
     process::ExitCode,
-    sync::{Arc, atomic::AtomicBool},
 };
-
-/// Exit code for a check that failed.
-pub const CHECK_FAILED: u8 = 1;
-/// Exit code for bad input or usage.
-pub const BAD_INPUT: u8 = 2;
-/// Exit code for a failed partner process.
-pub const PARTNER_FAILED: u8 = 3;
 
 /// The analog processor: a parallel array of continuously integrated blocks, wired by a patch file.
 ///
@@ -95,6 +90,20 @@ impl Failure {
             text: error.to_string(),
         }
     }
+
+    fn output(error: impl std::fmt::Display) -> Failure {
+        Failure {
+            code: OUTPUT_FAILED,
+            text: error.to_string(),
+        }
+    }
+
+    fn interrupted(text: String) -> Failure {
+        Failure {
+            code: INTERRUPTED,
+            text,
+        }
+    }
 }
 
 /// Whether messages go to a terminal whose user has not refused colours.
@@ -143,12 +152,7 @@ fn expect_output(out: &Path, patch: &Path, formats: &[&str]) -> Result<(), Failu
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    // A reader that has seen enough (`| head`) ends the program quietly.
-    let always = Arc::new(AtomicBool::new(true));
-    let pipe = signal_hook::consts::SIGPIPE;
-    if let Err(error) = signal_hook::flag::register_conditional_default(pipe, always) {
-        eprintln!("cannot catch signal {pipe}: {error}");
-    }
+    command_line::end_without_reader();
     let done = match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
@@ -156,13 +160,8 @@ pub fn main() -> ExitCode {
         Command::Serve(c) => c.execute(),
     };
     match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            if !failure.text.is_empty() {
-                eprintln!("{}", failure.text.trim_end());
-            }
-            ExitCode::from(failure.code)
-        }
+        Ok(()) => command_line::exit(0, ""),
+        Err(failure) => command_line::exit(failure.code, &failure.text),
     }
 }
 

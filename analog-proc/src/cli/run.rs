@@ -1,18 +1,15 @@
 //! `analog-proc run`: a patch by itself, recorded to a file.
 
-use super::{Failure, PatchArgs, check::Compiled, expect_output};
+use super::{Failure, PatchArgs, check::Compiled, estimate, expect_output, progress::Progress};
 use crate::{
+    fault::RunFault,
     net::{Block, Kind, NetId},
     patch::suggestion,
     record::{RecordFault, Recorder},
-    simulation::Simulation,
+    simulation::{Pulse, Simulation},
 };
-use indicatif::{ProgressBar, ProgressStyle};
-use interface::Tick;
-use std::{
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use interface::{Tick, command_line::interrupt_flag, note, say};
+use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering};
 
 /// Run a patch by itself.
 #[derive(clap::Args)]
@@ -49,21 +46,32 @@ impl Run {
         expect_output(&self.out, &self.patch.patch, &["csv", "arrow"])?;
         let Compiled { ordered, .. } = self.patch.compile()?;
         let names = self.recorded(&ordered)?;
+        estimate::check(&self.out, self.until, self.every, names.len() + 1)?;
         let nets: Vec<NetId> = names.iter().map(|(_, id)| *id).collect();
         let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
-        let write = |f: RecordFault| Failure::input(f);
+        let write = |f: RecordFault| Failure::output(f);
+        let interrupted = interrupt_flag().map_err(Failure::input)?;
         let mut recorder =
             Recorder::create(&self.out, names.iter().map(|(n, _)| n.as_str())).map_err(write)?;
-        let progress = Progress::new(self.until);
+        let mut progress = Progress::new(self.until, ordered.netlist.integration.method);
         let mut failed = None;
         let first: Vec<f64> = nets.iter().map(|n| simulation.net(*n)).collect();
         recorder.row(0.0, &first).map_err(write)?;
-        let end = simulation.advance_recording(self.until, self.every, &nets, |time_s, values| {
-            if failed.is_none() {
-                failed = recorder.row(time_s, values).err();
-            }
-            progress.at(time_s);
-        });
+        let mut sink = |time_s: f64, values: &[f64]| {
+            failed = recorder.row(time_s, values).err();
+            go_on(failed.is_none() && !interrupted.load(Ordering::Relaxed))
+        };
+        let mut attend = |pulse: &Pulse| {
+            progress.at(pulse);
+            go_on(!interrupted.load(Ordering::Relaxed))
+        };
+        let end = simulation.advance_recording_attended(
+            self.until,
+            self.every,
+            &nets,
+            &mut sink,
+            &mut attend,
+        );
         let finished = recorder.finish();
         progress.done();
         let written = failed.map_or(finished, Err);
@@ -81,13 +89,18 @@ impl Run {
             })
             .collect();
         for line in &overloads {
-            eprintln!("{line}");
+            note!("{line}");
         }
         let advance = end.map_err(|f| {
-            Failure::input(format!("{f}\nrecorded up to there: {}", self.out.display()))
+            let text = format!("{f}\nrecorded up to there: {}", self.out.display());
+            match f {
+                // Nothing else halts it: a record that failed was told above.
+                RunFault::Halted { .. } => Failure::interrupted(format!("interrupted: {text}")),
+                _ => Failure::input(text),
+            }
         })?;
         if advance.stopped_by.is_some() {
-            eprintln!(
+            note!(
                 "the run ended at {} by the patch's overload policy",
                 advance.reached
             );
@@ -98,12 +111,12 @@ impl Run {
             let report = serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads });
             // Standard output may be taken by the record.
             if to_file {
-                println!("{report}");
+                say!("{report}");
             } else {
-                eprintln!("{report}");
+                note!("{report}");
             }
         } else if to_file {
-            println!(
+            say!(
                 "{}: {} steps ({} rejected), {} events; recorded to {}",
                 self.until,
                 s.steps,
@@ -146,41 +159,10 @@ impl Run {
     }
 }
 
-/// A progress bar that appears only when a run takes more than a second.
-struct Progress {
-    bar: std::cell::OnceCell<ProgressBar>,
-    started: Instant,
-    until_s: f64,
-}
-
-impl Progress {
-    fn new(until: Tick) -> Progress {
-        Progress {
-            bar: std::cell::OnceCell::new(),
-            started: Instant::now(),
-            until_s: until.secs(),
-        }
-    }
-
-    fn at(&self, time_s: f64) {
-        if self.bar.get().is_none() && self.started.elapsed() < Duration::from_secs(1) {
-            return;
-        }
-        let bar = self.bar.get_or_init(|| {
-            let bar = ProgressBar::new(1000);
-            if let Ok(style) =
-                ProgressStyle::with_template("{bar:40} {percent}% of problem time, {eta} left")
-            {
-                bar.set_style(style);
-            }
-            bar
-        });
-        bar.set_position((1000.0 * time_s / self.until_s) as u64);
-    }
-
-    fn done(&self) {
-        if let Some(bar) = self.bar.get() {
-            bar.finish_and_clear();
-        }
+fn go_on(wanted: bool) -> ControlFlow<()> {
+    if wanted {
+        ControlFlow::Continue(())
+    } else {
+        ControlFlow::Break(())
     }
 }

@@ -1,16 +1,14 @@
 //! `analog-proc serve`: the analog side of a session.
 
-use super::{BAD_INPUT, Failure, PARTNER_FAILED};
+use super::Failure;
 use crate::serve;
 use interface::{
     Side,
+    command_line::{BAD_INPUT, INTERRUPTED, PARTNER_FAILED, expect_files, interrupt_flag},
     link::{LinkFault, Patience, shm::ShmAnalog},
-    session::Session,
+    say,
+    session::{Session, SessionError},
 };
-use std::sync::{Arc, atomic::AtomicBool};
-
-/// Exit code after an interrupt (128 + SIGINT).
-const INTERRUPTED: u8 = 130;
 
 /// Serve a session.
 #[derive(clap::Args)]
@@ -25,24 +23,32 @@ pub struct Serve {
 
 impl Serve {
     pub fn execute(self) -> Result<(), Failure> {
-        let interrupted = Arc::new(AtomicBool::new(false));
-        for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-            signal_hook::flag::register(signal, interrupted.clone()).map_err(Failure::input)?;
-        }
+        let interrupted = interrupt_flag().map_err(Failure::input)?;
+        expect_files().map_err(Failure::input)?;
         let side = Side::Analog;
         let session = if self.joined {
             Session::join(side, &self.session)
         } else {
             Session::create(side, Some(&self.session))
         }
-        .map_err(Failure::input)?;
+        .map_err(|fault| Failure {
+            // The digital side started this one, and ended before it could come.
+            code: match fault {
+                SessionError::Deserted { .. } | SessionError::Unknown { .. } if self.joined => {
+                    PARTNER_FAILED
+                }
+                _ => BAD_INPUT,
+            },
+            text: fault.to_string(),
+        })?;
         let mut patience = Patience::interrupted_by(interrupted);
         if !self.joined {
             // Somebody will come from another terminal, whenever that is.
             patience.arrival = None;
-            println!(
+            say!(
                 "session `{}` waits; join it by: digital-proc fly --attach {}",
-                self.session, self.session
+                self.session,
+                self.session
             );
         }
         let served =
@@ -50,7 +56,7 @@ impl Serve {
         served.map_err(|fault| Failure {
             code: match &fault {
                 LinkFault::Interrupted { .. } => INTERRUPTED,
-                LinkFault::Transport { .. } => BAD_INPUT,
+                LinkFault::Transport { .. } if !self.joined => BAD_INPUT,
                 _ => PARTNER_FAILED,
             },
             text: match fault {

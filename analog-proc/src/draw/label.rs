@@ -7,7 +7,7 @@ pub(super) fn number(value: f64) -> String {
     }
     let magnitude = value.abs();
     let text = if (1e-3..1e5).contains(&magnitude) {
-        let digits = 3 - magnitude.log10().floor() as i32;
+        let digits = 3 - libm::log10(magnitude).floor() as i32;
         let decimals = usize::try_from(digits).unwrap_or(0);
         let text = format!("{value:.decimals$}");
         if text.contains('.') {

@@ -302,7 +302,7 @@ fn body(pen: &mut Pen, kind: &Kind) {
                 Wave::Sine => {
                     let point = |i: i32| {
                         let x = f64::from(i) / 12.0;
-                        (x, 0.7 * (x * std::f64::consts::PI).sin())
+                        (x, 0.7 * libm::sin(x * std::f64::consts::PI))
                     };
                     let points: Vec<(f64, f64)> = (-12..=12).map(point).collect();
                     pen.curve("plot", &points);

@@ -64,6 +64,25 @@ impl DormandPrince {
         }
     }
 
+    /// h·‖f(y₇) − f(y₆)‖ / ‖y₇ − y₆‖ of a step that has been made the past: its last two stages
+    /// lie at one instant, so that they show the rate of the fastest component (Hairer and
+    /// Wanner, Solving Ordinary Differential Equations II, IV.2). Each state counts on the
+    /// scale of its tolerance.
+    pub fn step_rate(&self, step: &Step, atol: &[f64], rtol: f64) -> Option<f64> {
+        let (y7, f7) = (&step.y0, &step.f0);
+        let (y0, k1, h) = (&step.y1, &step.f1, step.h_s);
+        let (mut rise, mut run) = (0.0_f64, 0.0_f64);
+        for i in 0..y7.len() {
+            let sum = A61 * k1[i] + A62 * self.k2[i] + A63 * self.k3[i] + A64 * self.k4[i];
+            let y6 = y0[i] + h * (sum + A65 * self.k5[i]);
+            let scale = atol[i] + rtol * y7[i].abs();
+            rise = rise.max((f7[i] - self.k6[i]).abs() / scale);
+            run = run.max((y7[i] - y6).abs() / scale);
+        }
+        let rate = h * rise / run;
+        rate.is_finite().then_some(rate)
+    }
+
     pub fn attempt(&mut self, system: System, step: &mut Step, nets: &mut [f64]) -> f64 {
         let n = step.y0.len();
         let (h, t) = (step.h_s, step.t0_s);

@@ -18,6 +18,7 @@ mod sdirk4;
 
 use crate::machine::{Frozen, Machine};
 use crate::net::Method;
+use crate::signal::Rated;
 
 /// Right-hand side with everything frozen that changes only at events.
 #[derive(Clone, Copy)]
@@ -81,6 +82,29 @@ impl Step {
         }
     }
 
+    /// As [`Step::dense`], with the rates.
+    pub fn dense_rated(&self, theta: f64, out: &mut [Rated]) {
+        let n = self.y0.len();
+        let (y0, y1, f0, f1) = (&self.y0[..n], &self.y1[..n], &self.f0[..n], &self.f1[..n]);
+        let (quartic, out) = (&self.quartic[..n], &mut out[..n]);
+        let rest = 1.0 - theta;
+        for i in 0..n {
+            let rise = y1[i] - y0[i];
+            let start = self.h_s * f0[i] - rise;
+            let end = rise - self.h_s * f1[i] - start;
+            // Horner's scheme and its derivative, from the innermost bracket out.
+            let inner = end + rest * quartic[i];
+            let middle = start + theta * inner;
+            let slope = inner - theta * quartic[i];
+            let outer = rise + rest * middle;
+            let slope = rest * slope - middle;
+            out[i] = Rated {
+                value: y0[i] + theta * outer,
+                rate: (outer + theta * slope) / self.h_s,
+            };
+        }
+    }
+
     /// Largest scaled error of `error(i)`, each integrator on its own scale.
     fn norm(&mut self, system: &System, error: impl Fn(usize) -> f64) -> f64 {
         let mut norm = 0.0;
@@ -139,6 +163,15 @@ impl Scheme {
             Scheme::RungeKutta4(method) => method.attempt(system, step, nets),
             Scheme::Euler => euler::attempt(system, step, nets),
             Scheme::Sdirk4(method) => method.attempt(system, step, nets),
+        }
+    }
+
+    /// Length of the last step, which [`Step::advance`] has made the past, times the fastest
+    /// rate met in it.
+    pub fn step_rate(&self, step: &Step, atol: &[f64], rtol: f64) -> Option<f64> {
+        match self {
+            Scheme::DormandPrince(method) => method.step_rate(step, atol, rtol),
+            _ => None,
         }
     }
 

@@ -96,15 +96,8 @@ struct Folding<'a> {
     folded: Vec<bool>,
 }
 
-/// Folds the varying operations and the derivatives (`rates`, by state); `watched` are
-/// the nets that witnesses read.
-pub(crate) fn fold(
-    ops: &[Op],
-    terms: &[Term],
-    rates: &[(u32, Vec<Term>)],
-    watched: &[Slot],
-    slots: usize,
-) -> Kernel {
+/// Folds the varying operations and the derivatives (`rates`, by state).
+pub(crate) fn fold(ops: &[Op], terms: &[Term], rates: &[(u32, Vec<Term>)], slots: usize) -> Kernel {
     let mut driver = vec![None; slots];
     for (i, op) in ops.iter().enumerate() {
         op.drives(|slot| driver[slot as usize] = Some(i));
@@ -157,12 +150,10 @@ pub(crate) fn fold(
             *index = last - 1 - *index;
         }
     }
-    let seen = folding.seen(watched);
     for (i, op) in ops.iter().enumerate() {
         match *op {
             Op::Dac { o, hold } => kernel.dacs.push((o, hold)),
             _ if folding.live[i] && !folding.folded[i] => {}
-            _ if seen[i] => kernel.seen.push(*op),
             _ => kernel.rest.push(*op),
         }
     }
@@ -314,22 +305,6 @@ impl Folding<'_> {
             self.folded[sum] = false;
         }
         parts
-    }
-
-    /// Operations on which watched nets depend.
-    fn seen(&self, watched: &[Slot]) -> Vec<bool> {
-        let mut needed = vec![false; self.driver.len()];
-        for slot in watched {
-            needed[*slot as usize] = true;
-        }
-        let mut seen = vec![false; self.ops.len()];
-        for (i, op) in self.ops.iter().enumerate().rev() {
-            op.drives(|slot| seen[i] |= needed[slot as usize]);
-            if seen[i] {
-                op.reads(self.terms, |slot| needed[slot as usize] = true);
-            }
-        }
-        seen
     }
 
     fn step(&mut self, i: usize, at: usize, kernel: &mut Kernel, weights: &mut Weights) -> Step {

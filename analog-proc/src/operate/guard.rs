@@ -72,6 +72,15 @@ impl Engine {
         }
     }
 
+    /// A function turns faster than time is resolved.
+    pub(super) fn too_quick(&self) -> RunFault {
+        let block = self.machine.paces.get(self.paces.bounded_by);
+        RunFault::TooQuick {
+            t_s: self.t_s,
+            block: block.map_or_else(String::new, |b| self.machine.block_name(b.1)),
+        }
+    }
+
     pub(super) fn count_chatter(&mut self, element: u32) -> Result<(), RunFault> {
         let span_s = CHATTER_SPAN * self.t_s.abs().max(LEAST_TIME_S);
         if self.t_s - self.chatter_from_s > span_s {

@@ -7,15 +7,13 @@
 use super::diagnostic::PatchFault;
 use super::faults::PatchFaults;
 use super::text::used_paths;
-use interface::control::PatchBundle;
+use interface::{control::PatchBundle, user_file};
 use miette::NamedSource;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Longest patch file, bytes. The largest sensible patch is a hundredth of it.
-pub const LONGEST_FILE: u64 = 4 << 20;
+pub const LONGEST_FILE: u64 = user_file::LONGEST_TEXT;
 /// Most files of one patch.
 pub const MOST_FILES: usize = 1000;
 
@@ -44,9 +42,9 @@ pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchFaults> {
         } else {
             folder.join(&name)
         };
-        let bytes = match read(&at) {
+        let bytes = match user_file::read(&at, LONGEST_FILE) {
             Ok(bytes) => bytes,
-            Err(why) if name == root => return Err(unreadable(&root, &at, why)),
+            Err(why) if name == root => return Err(unreadable(&root, &at, why.to_string())),
             Err(_) => continue,
         };
         let text = String::from_utf8(bytes).map_err(|error| not_utf8(&root, &name, &error))?;
@@ -79,21 +77,6 @@ pub(crate) fn join(user: &str, written: &str) -> Option<String> {
         }
     }
     Some(parts.join("/"))
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, String> {
-    let metadata = std::fs::metadata(path).map_err(|e| e.to_string())?;
-    if !metadata.is_file() {
-        return Err("it is not a file".into());
-    }
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(LONGEST_FILE + 1).read_to_end(&mut bytes))
-        .map_err(|e| e.to_string())?;
-    if bytes.len() as u64 > LONGEST_FILE {
-        return Err(format!("it is longer than {LONGEST_FILE} bytes"));
-    }
-    Ok(bytes)
 }
 
 fn unreadable(root: &str, path: &Path, why: String) -> PatchFaults {

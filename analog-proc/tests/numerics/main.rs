@@ -3,11 +3,12 @@
 //! One module a claim. Each tolerance carries its derivation; the default settings
 //! claim 1e-8 relative of integrated results.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::disallowed_methods)]
 
 #[path = "../common/mod.rs"]
 mod common;
 
+mod attention;
 mod blocks_exact;
 mod events;
 mod faults;

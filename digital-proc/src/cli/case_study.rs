@@ -22,7 +22,7 @@ use crate::{
         short_period::{machine::Patches, plan::Plan},
     },
 };
-use interface::{Tick, profile::Profile};
+use interface::{Tick, profile::Profile, say};
 use std::{
     path::PathBuf,
     time::{Instant, SystemTime},
@@ -103,8 +103,7 @@ impl CaseStudy {
         console.bye()?;
         drop(machine);
 
-        let directory =
-            RunDirectory::create(&self.out, "case-study", started).map_err(Failure::input)?;
+        let directory = RunDirectory::create(&self.out, "case-study", started)?;
         write_traces(&results.short, &directory, SHORT_PERIOD_FILE)?;
         write_histories(&results, &plan, &directory)?;
         let mut parameters = toml::Table::new();
@@ -120,17 +119,17 @@ impl CaseStudy {
             &patches,
             parameters,
         );
-        directory.write_record(&record).map_err(Failure::input)?;
+        directory.write_record(&record)?;
         let summary = results.summary();
-        directory.write_summary(&summary).map_err(Failure::input)?;
+        directory.write_summary(&summary)?;
         let html = case_study_report(&results, &plan, &record);
-        let report = directory.write_report(&html).map_err(Failure::input)?;
+        let report = directory.write_report(&html)?;
 
         if self.machine.json {
-            println!("{summary:#}");
+            say!("{summary:#}");
         } else {
             print_claims(&results);
-            println!(
+            say!(
                 "{} runs and flights in {:.1} s; report: {}",
                 plan.runs(),
                 clock.elapsed().as_secs_f64(),
@@ -152,27 +151,28 @@ impl From<CaseFault> for Failure {
 
 fn print_claims(results: &CaseResults) {
     let claims = results.claims();
-    print!("{}", claims_text(&report_claims(&claims, |_| false)));
+    let judged = claims_text(&report_claims(&claims, |_| false));
+    say!("{}", judged.trim_end());
     let noted: Vec<_> = claims
         .iter()
         .filter_map(|c| Some((c.id, c.remark.as_ref()?)))
         .collect();
     if !noted.is_empty() {
-        println!("\nNoted beside:");
+        say!("\nNoted beside:");
         for (id, remark) in noted {
-            println!("  {id}: {remark}");
+            say!("  {id}: {remark}");
         }
     }
     let short = &results.short;
-    println!(
+    say!(
         "\n{} of {} undisturbed runs that stay linear agree with their eigenvalues.",
         short.agreement.len() - short.disagreements().count(),
         short.agreement.len()
     );
     for remark in short.remarks() {
-        println!("{remark}");
+        say!("{remark}");
     }
-    println!("{}.", fuel_words(&results.long));
+    say!("{}.", fuel_words(&results.long));
 }
 
 /// Exit 1 unless every claim holds and every linear run agrees.

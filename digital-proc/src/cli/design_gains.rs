@@ -14,21 +14,23 @@ use crate::{
             bench::PitchBench,
             criteria::Criteria,
             design::{Design, DesignFault, EFFORT, design},
-            evaluate::{PointQuality, accepted, evaluate, worst},
-            merge::{MergeFault, Merging, Trial, merge},
+            evaluate::{PointQuality, evaluate, worst},
+            merge::{MergeFault, Merging, merge},
             schedule::as_toml,
             search::Effort,
+            verdict::{Level, designed_section, fewest_accepted, none_accepted, reduced_sections},
         },
         long_period::run::LongPeriodPlan,
     },
 };
-use interface::profile::Profile;
+use interface::{note, profile::Profile, say};
 use serde::Serialize;
 
 /// Design the gain schedules: interval by interval on the short-period pitch loop,
 /// then with fewer switchings by long-period flights, and back to the short period.
 ///
-/// Prints the schedules as sections for a vehicle file; `--vehicle FILE` flies them.
+/// Prints the schedules as sections for a vehicle file; `--vehicle FILE` flies them. Exit code 1
+/// when none with fewer switchings is accepted by the flights and by the short period.
 #[derive(clap::Args)]
 pub struct DesignGains {
     /// Most evaluations of the cost for one interval of the sequencer
@@ -49,6 +51,26 @@ struct Designed {
     re_evaluated: Vec<Vec<PointQuality>>,
     /// Of the vehicle's own schedule with fewer switchings.
     shipped_reduced: Vec<PointQuality>,
+    /// Why no schedule with fewer switchings is accepted; none where one is.
+    none_accepted: Option<String>,
+}
+
+impl Designed {
+    fn levels(&self) -> Vec<Level<'_>> {
+        let trials = self.merging.levels.iter();
+        trials
+            .zip(self.re_evaluated.iter().map(Vec::as_slice))
+            .collect()
+    }
+
+    /// A design that leads to no accepted schedule has failed its check.
+    fn verdict(&self) -> Result<(), Failure> {
+        match &self.none_accepted {
+            None => Ok(()),
+            Some(refused) => Err(Failure::failed(refused, &[])
+                .and("allow more evaluations of each interval: --evaluations N")),
+        }
+    }
 }
 
 impl DesignGains {
@@ -83,9 +105,11 @@ impl DesignGains {
             effort,
             &mut |i, of, interval| {
                 let [from, to] = interval.judged_s;
-                eprintln!(
+                note!(
                     "interval {i} of {of}, {from}–{to} s: cost {:.2} -> {:.2} in {} evaluations",
-                    interval.first_cost, interval.cost, interval.evaluations
+                    interval.first_cost,
+                    interval.cost,
+                    interval.evaluations
                 );
             },
         )?;
@@ -96,7 +120,7 @@ impl DesignGains {
             &plan,
             &design.schedule,
             |level, flights| {
-                eprintln!(
+                note!(
                     "{} switchings: {:.1} kPa deg after {flights} flights",
                     level.schedule.switch_time_s.len() - 1,
                     level.max_q_alpha_padeg / 1e3
@@ -117,16 +141,18 @@ impl DesignGains {
         )?;
         console.bye()?;
         drop(machine);
-        self.tell(
-            &run,
-            &vehicle,
-            &Designed {
-                design,
-                merging,
-                re_evaluated,
-                shipped_reduced,
-            },
-        )
+        let mut designed = Designed {
+            design,
+            merging,
+            re_evaluated,
+            shipped_reduced,
+            none_accepted: None,
+        };
+        let levels = designed.levels();
+        if fewest_accepted(&levels).is_none() {
+            designed.none_accepted = Some(none_accepted(&levels));
+        }
+        self.tell(&run, &vehicle, &designed)
     }
 
     fn tell(
@@ -135,39 +161,12 @@ impl DesignGains {
         vehicle: &crate::vehicle::Vehicle,
         all: &Designed,
     ) -> Result<(), Failure> {
-        let levels: Vec<(&Trial, &[PointQuality])> = all
-            .merging
-            .levels
-            .iter()
-            .zip(all.re_evaluated.iter().map(Vec::as_slice))
-            .collect();
-        let fewest = levels
-            .last()
-            .map_or(&all.design.schedule, |l| &l.0.schedule);
-        let reduced = levels
-            .iter()
-            .rev()
-            .find(|(_, points)| accepted(points))
-            .map_or(fewest, |(trial, _)| &trial.schedule);
-        let designed = as_toml(
-            "gains",
-            "designed here; K_phi, T_phi, decoupled_yaw_* stay as they are",
-            &all.design.schedule,
-        );
-        let both = as_toml(
-            "gains_reduced",
-            "fewest switchings accepted by flights and by the short-period model",
-            reduced,
-        );
-        let flights = as_toml(
-            "gains_reduced",
-            "fewest switchings accepted by flights alone",
-            fewest,
-        );
-        let commented: String = flights.lines().map(|l| format!("# {l}\n")).collect();
-        let text = format!("{designed}\n{both}\n{commented}");
-        let file = run.file("gains.toml", &text)?;
+        let levels = all.levels();
         let data = vehicle.data();
+        let designed = designed_section(&levels);
+        let reduced = reduced_sections(&levels);
+        let text = format!("{designed}\n{reduced}");
+        let file = run.file("gains.toml", &text)?;
         let shipped = data.gains.schedule();
         let sections = gain_design_sections(
             &all.design,
@@ -175,6 +174,7 @@ impl DesignGains {
             (&shipped, &data.gains_reduced),
             &all.shipped_reduced,
             data.mass.burn_time_s,
+            all.none_accepted.as_deref(),
         );
         let report = run.finish(
             all,
@@ -184,33 +184,33 @@ impl DesignGains {
         )?;
         if self.machine.json {
             let json = serde_json::to_string_pretty(all).map_err(Failure::input)?;
-            println!("{json}");
-            return Ok(());
+            say!("{json}");
+            return all.verdict();
         }
-        println!("Criteria\n{}", criteria_table(&all.design.criteria).text());
-        println!(
+        say!("Criteria\n{}", criteria_table(&all.design.criteria).text());
+        say!(
             "Designed by {} runs\n{}",
             all.design.runs,
             design_table(&all.design).text()
         );
-        println!("{designed}");
-        println!("{}", as_toml("gains", "shipped", &shipped));
-        println!(
+        say!("{designed}");
+        say!("{}", as_toml("gains", "shipped", &shipped));
+        say!(
             "Fewer switchings by {} trial flights\n{}",
             all.merging.flights,
             merging_table(&levels).text()
         );
-        println!("{both}\n{flights}");
-        println!(
+        say!("{reduced}");
+        say!(
             "{}",
             as_toml("gains_reduced", "shipped", &data.gains_reduced)
         );
-        println!(
+        say!(
             "The shipped reduced schedule seen by the short-period model\n{}",
             evaluation_table(&all.shipped_reduced).text()
         );
         if let Some(worst) = worst(&all.shipped_reduced).filter(|w| !w.accepted()) {
-            println!(
+            say!(
                 "It overshoots most at {} ({} s): {}.",
                 worst.point,
                 worst.time_s,
@@ -220,12 +220,12 @@ impl DesignGains {
                     .map_or("it diverges".to_owned(), |v| format!("{:.0} %", 100.0 * v))
             );
         }
-        println!(
+        say!(
             "schedules: {}\nreport: {}",
             file.display(),
             report.display()
         );
-        Ok(())
+        all.verdict()
     }
 }
 

@@ -1,16 +1,15 @@
 //! Why a command did not do what it was asked, with its exit code.
 
-use crate::{console::ConsoleFault, launch::LaunchFault, study::long_period::run::StudyFault};
-use interface::link::LinkFault;
-
-/// Exit code for a claim or check that failed.
-pub const CHECK_FAILED: u8 = 1;
-/// Exit code for bad input or usage.
-pub const BAD_INPUT: u8 = 2;
-/// Exit code for a failed partner process.
-pub const PARTNER_FAILED: u8 = 3;
-/// Exit code after an interrupt (128 + SIGINT).
-pub const INTERRUPTED: u8 = 130;
+use crate::{
+    console::ConsoleFault,
+    launch::LaunchFault,
+    run_dir::{RunDirError, TraceError},
+    study::long_period::run::StudyFault,
+};
+use interface::{
+    command_line::{BAD_INPUT, CHECK_FAILED, INTERRUPTED, OUTPUT_FAILED, PARTNER_FAILED},
+    link::LinkFault,
+};
 
 /// A message for the terminal and an exit code.
 #[derive(Debug)]
@@ -30,6 +29,14 @@ impl Failure {
         }
     }
 
+    /// Output that could not be written.
+    pub fn output(error: impl std::fmt::Display) -> Failure {
+        Failure {
+            code: OUTPUT_FAILED,
+            text: error.to_string(),
+        }
+    }
+
     /// A claim or check that failed: what befell, and which, if they have names.
     pub fn failed(what: &str, items: &[&str]) -> Failure {
         let colon = if items.is_empty() { "" } else { ": " };
@@ -44,6 +51,24 @@ impl Failure {
     pub fn and(mut self, line: impl std::fmt::Display) -> Failure {
         self.text = format!("{}\n{line}", self.text.trim_end());
         self
+    }
+}
+
+impl From<RunDirError> for Failure {
+    fn from(error: RunDirError) -> Failure {
+        match error {
+            RunDirError::Write { .. } => Failure::output(error),
+            other => Failure::input(other),
+        }
+    }
+}
+
+impl From<TraceError> for Failure {
+    fn from(error: TraceError) -> Failure {
+        match error {
+            TraceError::Write { .. } => Failure::output(error),
+            other => Failure::input(other),
+        }
     }
 }
 
@@ -82,6 +107,7 @@ impl From<LaunchFault> for Failure {
                 text: fault.to_string(),
             },
             LaunchFault::Session(fault) => Failure::input(fault),
+            LaunchFault::Files(text) => Failure::input(text),
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::{
     report::{Heading, Table},
     study::failure_file::{FailureFile, SHIPPED_TEXT},
 };
+use interface::say;
 use std::path::PathBuf;
 
 /// List the modes of a failure file and what happens in each; a faulty file is
@@ -26,7 +27,7 @@ pub struct Failures {
 impl Failures {
     pub fn execute(self) -> Result<(), Failure> {
         if self.text {
-            print!("{SHIPPED_TEXT}");
+            say!("{}", SHIPPED_TEXT.trim_end());
             return Ok(());
         }
         let own = self
@@ -53,9 +54,9 @@ impl Failures {
             ]);
         }
         if self.json {
-            println!("{:#}", table.json());
+            say!("{:#}", table.json());
         } else {
-            println!("{}", table.text());
+            say!("{}", table.text());
         }
         Ok(())
     }

@@ -19,15 +19,14 @@ use crate::{
         pacing::{pacing_section, pacing_text},
     },
     run_dir::{
-        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, TraceError,
-        UtcSecond,
+        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, UtcSecond,
     },
     saturation::Saturations,
     study::failure_file::FailureFile,
     vehicle::Vehicle,
 };
 use clap::ValueEnum;
-use interface::{Tick, frame::Samples, profile::Profile};
+use interface::{Tick, frame::Samples, note, profile::Profile, say};
 use std::{path::PathBuf, time::SystemTime};
 
 /// Rows in one batch of the trace: what a crash may cost.
@@ -119,8 +118,7 @@ impl Fly {
         let mut console = Console::new(machine.port());
         let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
 
-        let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)
-            .map_err(Failure::input)?;
+        let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)?;
         let keep = |failure: Failure| {
             failure.and(format!(
                 "what was recorded up to there is in {}",
@@ -128,16 +126,12 @@ impl Fly {
             ))
         };
         let record = self.record(&plan_record, started, console.patch_hash())?;
-        directory.write_record(&record).map_err(Failure::input)?;
-        let mut rows = directory
-            .create_trace(&trace::columns(), BATCH_ROWS)
-            .map_err(Failure::input)?;
+        directory.write_record(&record)?;
+        let mut rows = directory.create_trace(&trace::columns(), BATCH_ROWS)?;
         let mut paced = match self.clock {
             Pace::LockStep => None,
             Pace::Wall => Some((
-                directory
-                    .create_stream(TRANSFERS_FILE, &trace::transfer_columns(), BATCH_ROWS)
-                    .map_err(Failure::input)?,
+                directory.create_stream(TRANSFERS_FILE, &trace::transfer_columns(), BATCH_ROWS)?,
                 Pacing::new(plan_record.fast_frame()?),
             )),
         };
@@ -148,14 +142,11 @@ impl Fly {
         let stop_s = plan.stop.secs();
         let mut progress = Progress::new(stop_s as u64, "s of flight");
         let mut saturations = Saturations::default();
-        let unwritten = |e: TraceError| FlightFault::Observer(e.to_string());
         let told = |frame: &Samples| {
             if let Some((transfers, pacing)) = &mut paced {
                 pacing.observe(frame);
                 for transfer in frame.transfers() {
-                    transfers
-                        .push(transfer.tick, &trace::transfer_row(transfer))
-                        .map_err(unwritten)?;
+                    transfers.push(transfer.tick, &trace::transfer_row(transfer))?;
                 }
             }
             Ok(())
@@ -169,15 +160,15 @@ impl Fly {
             |frame, result| {
                 progress.at(result.sample.time_s as u64);
                 saturations.note(frame);
-                rows.push(frame.tick, &trace::row(frame, result))
-                    .map_err(unwritten)
+                rows.push(frame.tick, &trace::row(frame, result))?;
+                Ok(())
             },
         );
         progress.done();
         let closed = rows.finish();
         let pacing = match paced {
             Some((transfers, pacing)) => {
-                transfers.finish().map_err(Failure::input)?;
+                transfers.finish()?;
                 Some(pacing)
             }
             None => None,
@@ -189,13 +180,13 @@ impl Fly {
                 None => failure,
             }
         })?;
-        closed.map_err(Failure::input)?;
+        closed?;
         let overloads = console.diagnose()?.overloads;
         let saturated = saturations.names(console.channels());
         console.bye()?;
         drop(machine);
 
-        let trace = directory.read_trace().map_err(Failure::input)?;
+        let trace = directory.read_trace_thinned()?;
         let results = results(&vehicle, &summary);
         let mut json = results.json();
         let mut context = self.report_context(&vehicle);
@@ -203,33 +194,35 @@ impl Fly {
             json["pacing"] = pacing.json();
             context.further.push(pacing_section(pacing));
         }
-        directory.write_summary(&json).map_err(Failure::input)?;
+        directory.write_summary(&json)?;
         let html = flight_report(&context, &results, &trace, &record).map_err(Failure::input)?;
-        let report = directory.write_report(&html).map_err(Failure::input)?;
+        let report = directory.write_report(&html)?;
         if self.machine.json {
-            println!("{json:#}");
+            say!("{json:#}");
         } else {
-            println!("{}", context.title);
-            println!("{}", results.text());
+            say!("{}", context.title);
+            say!("{}", results.text());
             for o in &overloads {
-                println!(
+                say!(
                     "overload: {} at {:.4} s ({:.4})",
-                    o.block, o.time_s, o.value
+                    o.block,
+                    o.time_s,
+                    o.value
                 );
             }
             if !saturated.is_empty() {
-                println!("saturated: {}", saturated.join(", "));
+                say!("saturated: {}", saturated.join(", "));
             }
             for (table, edge) in summary.edges.iter() {
-                println!(
+                say!(
                     "table edge: {} {edge:?}; its end value was held",
                     table.label()
                 );
             }
             if let Some(pacing) = &pacing {
-                print!("{}", pacing_text(pacing));
+                say!("{}", pacing_text(pacing).trim_end());
             }
-            println!("report: {}", report.display());
+            say!("report: {}", report.display());
         }
         Ok(())
     }
@@ -296,13 +289,13 @@ impl Fly {
         let (latency, whole) = record.profile.latency_within(Sampled::COUNT, fast_frame);
         record.latency = self.latency.unwrap_or(latency);
         if let (None, Some(whole)) = (self.latency, whole) {
-            eprintln!(
+            note!(
                 "note: profile {} takes {whole} from sample to transfer, longer than a fast frame; flown with {latency}",
                 record.profile.name
             );
         }
         if let Some(until) = self.until.filter(|t| *t > burn_out) {
-            eprintln!("note: the flight ends at burn-out, {burn_out}, before --until {until}");
+            note!("note: the flight ends at burn-out, {burn_out}, before --until {until}");
         }
         Ok(record)
     }
@@ -336,6 +329,7 @@ impl From<FlightFault> for Failure {
     fn from(fault: FlightFault) -> Failure {
         match fault {
             FlightFault::Console(fault) => fault.into(),
+            FlightFault::Trace(fault) => fault.into(),
             other => Failure::input(other),
         }
     }

@@ -21,7 +21,7 @@ use crate::{
         },
     },
 };
-use interface::profile::Profile;
+use interface::{profile::Profile, say};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -94,28 +94,28 @@ impl LongPeriod {
             long_period_sections(&results, report::claims_table(&shown)),
         )?;
         if self.machine.json {
-            println!(
+            say!(
                 "{}",
                 serde_json::to_string_pretty(&outcome).map_err(Failure::input)?
             );
         } else {
-            println!("Design case\n{}", mode_table(&results).text());
-            println!(
+            say!("Design case\n{}", mode_table(&results).text());
+            say!(
                 "Largest Q alpha over wind and pitch misalignment (fractions of 3 sigma)\n{}",
                 load_table(&results).text()
             );
-            println!(
+            say!(
                 "Side-force fluid over the same\n{}",
                 fuel_table(&results).text()
             );
-            println!("{}.\n", fuel_words(&results));
-            println!("{}", report::claims_text(&shown));
+            say!("{}.\n", fuel_words(&results));
+            say!("{}", report::claims_text(&shown));
             for claim in claims.iter().filter(|c| c.verdict == Verdict::Holds) {
                 if let Some(remark) = &claim.remark {
-                    println!("{}: {remark}", claim.id);
+                    say!("{}: {remark}", claim.id);
                 }
             }
-            println!("report: {}", page.display());
+            say!("report: {}", page.display());
         }
         let failed: Vec<&str> = claims
             .iter()

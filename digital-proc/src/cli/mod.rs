@@ -1,7 +1,7 @@
 //! The command line of `digital-proc`.
 //!
-//! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the
-//! partner process failed, 130 interrupted.
+//! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the partner
+//! process failed, 4 output could not be written, 130 interrupted.
 
 mod case_study;
 mod design_gains;
@@ -22,6 +22,7 @@ pub use failure::Failure;
 
 use crate::launch::{AnalogEntry, LinkChoice, Started};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use interface::command_line;
 use std::{
     process::ExitCode,
     sync::{Arc, atomic::AtomicBool},
@@ -160,19 +161,14 @@ impl MachineArgs {
 #[must_use]
 pub fn main(analog: AnalogEntry) -> ExitCode {
     let cli = Cli::parse();
-    let interrupted = Arc::new(AtomicBool::new(false));
-    // A reader that has seen enough (`| head`) ends the program quietly.
-    let always = Arc::new(AtomicBool::new(true));
-    let pipe = signal_hook::consts::SIGPIPE;
-    if let Err(error) = signal_hook::flag::register_conditional_default(pipe, always) {
-        eprintln!("cannot catch signal {pipe}: {error}");
-    }
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        if let Err(error) = signal_hook::flag::register(signal, interrupted.clone()) {
-            eprintln!("cannot catch signal {signal}: {error}");
-            return ExitCode::from(failure::BAD_INPUT);
+    command_line::end_without_reader();
+    let interrupted = match command_line::interrupt_flag() {
+        Ok(flag) => flag,
+        Err(error) => {
+            let text = format!("cannot catch signals: {error}");
+            return command_line::exit(command_line::BAD_INPUT, &text);
         }
-    }
+    };
     let context = Context {
         analog,
         interrupted,
@@ -192,10 +188,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
         Command::Sensitivity(c) => c.execute(&context),
     };
     match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("{}", failure.text.trim_end());
-            ExitCode::from(failure.code)
-        }
+        Ok(()) => command_line::exit(0, ""),
+        Err(failure) => command_line::exit(failure.code, &failure.text),
     }
 }

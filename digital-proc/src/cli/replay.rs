@@ -1,6 +1,6 @@
 //! `digital-proc replay`: a recorded flight once more, compared bit by bit.
 
-use super::{Context, Failure, JoinArgs, fly::BATCH_ROWS};
+use super::{Context, Failure, JoinArgs, fly::BATCH_ROWS, runs::open_run};
 use crate::{
     console::{Console, ConsoleFault},
     file_fault::Source,
@@ -12,9 +12,10 @@ use crate::{
     progress::Progress,
     run_dir::{
         DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
-        TRANSFERS_FILE, Trace, TraceWriter, first_difference, resolve,
+        TRANSFERS_FILE, Trace, TraceWriter, first_difference,
     },
 };
+use interface::say;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -43,9 +44,9 @@ pub struct Replay {
 
 impl Replay {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
-        let directory = resolve(&self.runs, &self.run).map_err(Failure::input)?;
+        let directory = open_run(&self.runs, &self.run)?;
         let path = directory.file(RECORD_FILE);
-        let text = std::fs::read_to_string(&path)
+        let text = interface::user_file::read_text(&path)
             .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
         let file = path.display().to_string();
         let source = Source {
@@ -66,12 +67,12 @@ impl Replay {
         };
         let vehicle = plan_record.vehicle().map_err(in_record)?;
         let plan = plan_record.plan(&vehicle).map_err(in_record)?;
-        let recorded = directory.read_trace().map_err(Failure::input)?;
+        let recorded = directory.read_trace()?;
         let transfers = match plan_record.clock {
             Pace::LockStep => None,
             Pace::Wall => {
                 let path = directory.file(TRANSFERS_FILE);
-                let stream = Trace::read(&path).map_err(Failure::input)?;
+                let stream = Trace::read(&path)?;
                 let log = trace::read_transfers(&path, &stream).map_err(Failure::input)?;
                 Some((log, stream.is_complete()))
             }
@@ -108,8 +109,8 @@ impl Replay {
             |_| Ok(()),
             |frame, result| {
                 progress.at(result.sample.time_s as u64);
-                rows.push(frame.tick, &trace::row(frame, result))
-                    .map_err(|e| FlightFault::Observer(e.to_string()))
+                rows.push(frame.tick, &trace::row(frame, result))?;
+                Ok(())
             },
         );
         progress.done();
@@ -120,7 +121,7 @@ impl Replay {
             Err(FlightFault::Console(ConsoleFault::Link(fault))) => return Err(fault.into()),
             Err(fault) => Some(fault.to_string()),
         };
-        closed.map_err(Failure::input)?;
+        closed?;
         console.bye()?;
         drop(machine);
 
@@ -154,20 +155,20 @@ impl Replay {
                 "lost": lost,
                 "difference": difference.as_ref().map(ToString::to_string),
             });
-            println!("{result:#}");
+            say!("{result:#}");
         }
         match difference {
             None => {
                 if !self.json {
-                    println!(
+                    say!(
                         "identical: {compared} rows of {} columns",
                         recorded.columns().len()
                     );
                     if let Some(lost) = lost {
-                        println!("the flight was lost: {lost}");
+                        say!("the flight was lost: {lost}");
                     }
                     if compared < replayed.rows() {
-                        println!("the recorded run was cut off there");
+                        say!("the recorded run was cut off there");
                     }
                 }
                 Ok(())

@@ -7,9 +7,10 @@ use crate::{
         DEFAULT_BASE, RunDirectory, RunState, TRANSFERS_FILE, Trace, list_runs, resolve, write_csv,
     },
 };
+use interface::note;
 use std::{
     io::{self, Write},
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 /// Name of the page that `plot` writes into the run's directory.
@@ -67,13 +68,24 @@ pub struct Plot {
 
 impl Which {
     fn open(&self) -> Result<RunDirectory, Failure> {
-        resolve(&self.runs, &self.run).map_err(Failure::input)
+        open_run(&self.runs, &self.run)
     }
+}
+
+/// The run that a user means by `text`. Where it is only the beginning of a name, the run that
+/// was taken is told.
+pub(super) fn open_run(base: &Path, text: &str) -> Result<RunDirectory, Failure> {
+    let directory = resolve(base, text).map_err(Failure::input)?;
+    let name = directory.name();
+    if name != text && name.starts_with(text) {
+        eprintln!("run {name}");
+    }
+    Ok(directory)
 }
 
 impl List {
     pub fn execute(self) -> Result<(), Failure> {
-        let runs = list_runs(&self.runs).map_err(Failure::input)?;
+        let runs = list_runs(&self.runs)?;
         if self.json {
             let text = serde_json::to_string_pretty(&runs).map_err(Failure::input)?;
             return print(|out| writeln!(out, "{text}"));
@@ -91,6 +103,7 @@ impl List {
             for run in &runs {
                 let state = match run.state {
                     RunState::Complete => "complete  ",
+                    RunState::Unreadable => "unreadable",
                     RunState::Unfinished => "unfinished",
                 };
                 writeln!(out, "{:width$}  {state}  {}", run.name, run.command)?;
@@ -117,11 +130,11 @@ impl Export {
         }
         .map_err(Failure::input)?;
         if !trace.is_complete() {
-            eprintln!("the run was cut off: {} rows are whole", trace.rows());
+            note!("the run was cut off: {} rows are whole", trace.rows());
         }
         match out {
             Some(path) => {
-                trace.export_csv(&path).map_err(Failure::input)?;
+                trace.export_csv(&path)?;
                 let (rows, path) = (trace.rows(), path.display());
                 print(|out| writeln!(out, "{rows} rows: {path}"))
             }
@@ -133,20 +146,18 @@ impl Export {
 impl Plot {
     pub fn execute(self) -> Result<(), Failure> {
         let directory = self.which.open()?;
-        let record = directory.read_record().map_err(Failure::input)?;
-        let trace = directory.read_trace().map_err(Failure::input)?;
+        let record = directory.read_record()?;
+        let trace = directory.read_trace_thinned()?;
         let html = trace_report(&directory.name(), &trace, &record);
         let path = match self.out {
             Some(path) => {
                 std::fs::write(&path, html).map_err(|e| {
-                    Failure::input(format!("cannot write `{}`: {e}", path.display()))
+                    Failure::output(format!("cannot write `{}`: {e}", path.display()))
                 })?;
                 path
             }
             None => {
-                directory
-                    .write_file(PLOTS_FILE, html.as_bytes())
-                    .map_err(Failure::input)?;
+                directory.write_file(PLOTS_FILE, html.as_bytes())?;
                 directory.file(PLOTS_FILE)
             }
         };
@@ -159,7 +170,7 @@ fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Fai
     let mut out = io::BufWriter::new(io::stdout().lock());
     match write(&mut out).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::input(format!("cannot write the output: {error}")))
+            Err(Failure::output(format!("cannot write the output: {error}")))
         }
         _ => Ok(()),
     }

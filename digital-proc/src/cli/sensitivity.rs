@@ -16,7 +16,7 @@ use crate::{
         },
     },
 };
-use interface::profile::Profile;
+use interface::{profile::Profile, say};
 use std::path::PathBuf;
 
 /// Disperse the pitch loop: aerodynamics, actuators, gyro and bending, one at a
@@ -72,17 +72,17 @@ impl Sensitivity {
             sensitivity_sections(&points, &dispersions),
         )?;
         if self.machine.json {
-            println!(
+            say!(
                 "{}",
                 serde_json::to_string_pretty(&points).map_err(Failure::input)?
             );
             return Ok(());
         }
         for measure in Measure::ALL {
-            println!("{}", ranking_table(&points, measure).text());
+            say!("{}", ranking_table(&points, measure).text());
         }
-        println!("Corners\n{}", corner_table(&points).text());
-        println!("report: {}", report.display());
+        say!("Corners\n{}", corner_table(&points).text());
+        say!("report: {}", report.display());
         Ok(())
     }
 }

@@ -19,7 +19,7 @@ use crate::{
         response::{PITCH_CHANNELS, PITCH_UNITS, YAW_ROLL_CHANNELS, YAW_ROLL_UNITS},
     },
 };
-use interface::{Tick, profile::Profile};
+use interface::{Tick, profile::Profile, say};
 use serde_json::json;
 use std::{path::PathBuf, time::SystemTime};
 
@@ -124,8 +124,7 @@ impl Runs {
         drop(started_machine);
 
         let outcome = Outcome::new(plan, answers);
-        let directory =
-            RunDirectory::create(&self.out, command, started).map_err(Failure::input)?;
+        let directory = RunDirectory::create(&self.out, command, started)?;
         write_traces(&outcome, &directory, TRACE_FILE)?;
         let mut parameters = toml::Table::new();
         parameters.insert("condition".to_owned(), self.condition.as_str().into());
@@ -141,14 +140,14 @@ impl Runs {
             &outcome.answers.patches,
             parameters,
         );
-        directory.write_record(&record).map_err(Failure::input)?;
+        directory.write_record(&record)?;
         let summary = json!({
             "pitch": pitch_table(&outcome).json(),
             "yaw_roll": yaw_roll_table(&outcome).json(),
             "linear_agreement": agreement_table(&outcome).json(),
             "remarks": outcome.remarks(),
         });
-        directory.write_summary(&summary).map_err(Failure::input)?;
+        directory.write_summary(&summary)?;
         let loops = if outcome.plan.pitch.is_empty() {
             "Yaw and roll loops"
         } else {
@@ -160,25 +159,25 @@ impl Runs {
             self.condition
         );
         let html = short_period_report(&title, &outcome, &record);
-        let report = directory.write_report(&html).map_err(Failure::input)?;
+        let report = directory.write_report(&html)?;
 
         if self.machine.json {
-            println!("{summary:#}");
+            say!("{summary:#}");
         } else {
             if !outcome.plan.pitch.is_empty() {
-                println!("{}", dashed(pitch_table(&outcome)).text());
+                say!("{}", dashed(pitch_table(&outcome)).text());
             }
             if !outcome.plan.yaw_roll.is_empty() {
-                println!("{}", dashed(yaw_roll_table(&outcome)).text());
+                say!("{}", dashed(yaw_roll_table(&outcome)).text());
             }
             if !outcome.agreement.is_empty() {
-                println!("Agreement with the linearised loop where it stays linear:");
-                println!("{}", dashed(agreement_table(&outcome)).text());
+                say!("Agreement with the linearised loop where it stays linear:");
+                say!("{}", dashed(agreement_table(&outcome)).text());
             }
             for remark in outcome.remarks() {
-                println!("{remark}");
+                say!("{remark}");
             }
-            println!("report: {}", report.display());
+            say!("report: {}", report.display());
         }
         let disagreeing = outcome.disagreements().count();
         if disagreeing > 0 {

@@ -135,10 +135,8 @@ impl<'a> Curves<'a> {
         name: &str,
         tick: impl Fn(usize) -> Tick,
     ) -> Result<(), Failure> {
-        let trace = directory.create_stream(name, &self.columns, BATCH_ROWS);
-        trace
-            .and_then(|trace| self.write_to(trace, tick))
-            .map_err(Failure::input)
+        let trace = directory.create_stream(name, &self.columns, BATCH_ROWS)?;
+        Ok(self.write_to(trace, tick)?)
     }
 
     fn write_to(

@@ -45,12 +45,11 @@ impl StudyRun {
         vehicle: &Vehicle,
     ) -> Result<StudyRun, Failure> {
         let started = UtcSecond::from_system(SystemTime::now());
-        let directory =
-            RunDirectory::create(&args.out, command, started).map_err(Failure::input)?;
+        let directory = RunDirectory::create(&args.out, command, started)?;
         let link = machine.join.link_name();
         let mut record = RunRecord::begin(command, started, &profile.name, link);
         vehicle_args::record(vehicle, &mut record.parameters)?;
-        directory.write_record(&record).map_err(Failure::input)?;
+        directory.write_record(&record)?;
         Ok(StudyRun { directory, record })
     }
 
@@ -69,9 +68,7 @@ impl StudyRun {
 
     /// A file of the study's own beside the record.
     pub fn file(&self, name: &str, text: &str) -> Result<PathBuf, Failure> {
-        self.directory
-            .write_file(name, text.as_bytes())
-            .map_err(Failure::input)?;
+        self.directory.write_file(name, text.as_bytes())?;
         Ok(self.directory.file(name))
     }
 
@@ -83,15 +80,10 @@ impl StudyRun {
         lead: &str,
         mut sections: Vec<Section>,
     ) -> Result<PathBuf, Failure> {
-        self.directory
-            .write_record(&self.record)
-            .map_err(Failure::input)?;
-        self.directory
-            .write_summary(summary)
-            .map_err(Failure::input)?;
+        self.directory.write_record(&self.record)?;
+        self.directory.write_summary(summary)?;
         sections.push(Section::new("Provenance", provenance(&self.record)));
-        self.directory
-            .write_report(&page(title, lead, &sections))
-            .map_err(Failure::input)
+        let report = self.directory.write_report(&page(title, lead, &sections))?;
+        Ok(report)
     }
 }

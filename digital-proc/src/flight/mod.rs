@@ -19,6 +19,7 @@ use crate::{
     executive::Rate,
     flight_summary::{FlightMonitor, FlightSummary},
     reference::FlightCase,
+    run_dir::TraceError,
     trajectory::FlightError,
     vehicle::Vehicle,
 };
@@ -83,9 +84,12 @@ pub enum FlightFault {
         /// Fast frames in it.
         fast_frames: u64,
     },
-    /// The observer could not go on (a trace that cannot be written).
-    #[error("{0}")]
-    Observer(String),
+    /// The observer could not write its trace.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// Nothing was flown.
+    #[error("the flight had no frame")]
+    NoFrame,
 }
 
 /// The stage patch and its sub-patches, as shipped.
@@ -341,9 +345,7 @@ fn fly_loaded(
     if let Some(fault) = lost.take() {
         return Err(fault);
     }
-    monitor
-        .finish()
-        .ok_or_else(|| FlightFault::Observer("the flight had no frame".into()))
+    monitor.finish().ok_or(FlightFault::NoFrame)
 }
 
 /// Sets before OPERATE what the first updates will set again, so that with a

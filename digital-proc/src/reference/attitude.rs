@@ -147,7 +147,7 @@ fn tip_forces_n(state: &AttitudeState, inputs: &AttitudeInputs) -> [f64; 2] {
 
 /// F_c, N: the control force in the pitch plane.
 pub fn pitch_plane_force_n(state: &AttitudeState, inputs: &AttitudeInputs) -> f64 {
-    let (s, c) = state.angle_rad[2].sin_cos();
+    let (s, c) = libm::sincos(state.angle_rad[2]);
     let [tip_p, tip_y] = tip_forces_n(state, inputs);
     (tip_p + state.tvc_n[0]) * c - (tip_y + state.tvc_n[1]) * s
 }
@@ -164,7 +164,7 @@ pub fn derivative(
     let gains = &settings.gains;
     let [theta, psi, phi] = state.angle_rad;
     let [theta_rate, psi_rate, phi_rate] = state.rate_radps;
-    let (s, c) = phi.sin_cos();
+    let (s, c) = libm::sincos(phi);
 
     let e_theta = inputs.pitch_command_rad - theta;
     let e_psi = -psi;

@@ -239,6 +239,7 @@ pub fn gain_design_sections(
     shipped: (&ScheduleData, &ScheduleData),
     shipped_reduced: &[PointQuality],
     end_s: f64,
+    none_accepted: Option<&str>,
 ) -> Vec<Section> {
     let mut numbering = Numbering::new();
     let designed = side_by_side(&schedule_charts(
@@ -270,6 +271,7 @@ pub fn gain_design_sections(
         Section::new(
             "Fewer switchings",
             html! {
+                @for line in none_accepted.into_iter().flat_map(str::lines) { p { (line) } }
                 (numbering.figure("reduced", "Schedules with fewer switchings, from long-period flights (after the paper's figure 8).", reduced))
                 (numbering.table("merging", "Mergers accepted by long-period flights, and what the short-period model says of them.", merging_table(levels).markup()))
             },

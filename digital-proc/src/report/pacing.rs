@@ -66,7 +66,7 @@ pub fn pacing_text(pacing: &Pacing) -> String {
     // Bin k holds latencies from 10^(k/3) to 10^((k+1)/3) µs; shorter ones are in the first.
     let mut counts = std::collections::BTreeMap::<i32, usize>::new();
     for latency in pacing.latencies() {
-        let bin = (3.0 * microseconds(*latency).max(1.0).log10()).floor() as i32;
+        let bin = (3.0 * libm::log10(microseconds(*latency).max(1.0))).floor() as i32;
         *counts.entry(bin).or_default() += 1;
     }
     let most = counts.values().copied().max().unwrap_or(1);
@@ -75,7 +75,7 @@ pub fn pacing_text(pacing: &Pacing) -> String {
     {
         for bin in first..=last {
             let count = counts.get(&bin).copied().unwrap_or(0);
-            let edge = |k: i32| 10f64.powf(f64::from(k) / 3.0);
+            let edge = |k: i32| libm::pow(10.0, f64::from(k) / 3.0);
             // A single frame shows too.
             let bar = "#".repeat((count * BAR).div_ceil(most));
             // Writing to a String cannot fail.

@@ -15,11 +15,19 @@ pub enum Cell {
     Text(String),
     /// Words that lead to an anchor of the page.
     Link(String, String),
+    /// No value: a dash for people, null in JSON, nothing in CSV.
+    Missing,
 }
 
 impl From<f64> for Cell {
     fn from(value: f64) -> Cell {
         Cell::Number(value)
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(value: Option<f64>) -> Cell {
+        value.map_or(Cell::Missing, Cell::Number)
     }
 }
 
@@ -111,6 +119,7 @@ impl Table {
                             Some(Cell::Number(value)) => { td.n { (typeset(*value, heading.digits)) } }
                             Some(Cell::Text(text)) => { td { (text) } }
                             Some(Cell::Link(text, href)) => { td { a href=(href) { (text) } } }
+                            Some(Cell::Missing) => { td.n { "–" } }
                             None => { td {} }
                         }
                     }
@@ -125,6 +134,7 @@ impl Table {
         let content = |row: &[Cell], c: usize| match row.get(c) {
             Some(Cell::Number(value)) => significant(*value, self.headings[c].digits),
             Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
+            Some(Cell::Missing) => "–".to_owned(),
             None => String::new(),
         };
         let mut lines: Vec<Vec<String>> =
@@ -186,6 +196,7 @@ impl Table {
                         Cell::Text(text) | Cell::Link(text, _) => {
                             serde_json::Value::from(text.as_str())
                         }
+                        Cell::Missing => serde_json::Value::Null,
                     };
                     (heading.label.clone(), value)
                 });

@@ -90,7 +90,7 @@ pub fn trace_report(title: &str, trace: &Trace, record: &RunRecord) -> String {
         .collect();
     let extent = format!(
         "{} rows of {} columns.",
-        trace.rows(),
+        trace.recorded(),
         trace.columns().len()
     );
     let torn = "The run did not end its trace: rows after the last complete batch are lost.";

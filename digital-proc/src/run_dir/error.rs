@@ -97,9 +97,18 @@ pub enum RunDirError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
-    /// The file system refused.
+    /// The file cannot be read.
     #[error("trace `{}`: {cause}", path.display())]
     Io {
+        /// The trace.
+        path: PathBuf,
+        /// The system's reason.
+        #[source]
+        cause: io::Error,
+    },
+    /// The trace cannot be written.
+    #[error("cannot write trace `{}`: {cause}; check free space and permissions", path.display())]
+    Write {
         /// The trace.
         path: PathBuf,
         /// The system's reason.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{RECORD_FILE, RunDirError, RunDirectory, SUMMARY_FILE};
+use super::{RECORD_FILE, RunDirError, RunDirectory, SUMMARY_FILE, holds_record};
 
 /// How far a run got, told by the files that it left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -16,6 +16,8 @@ pub enum RunState {
     Complete,
     /// It is still going, or was cut off.
     Unfinished,
+    /// Its record cannot be read.
+    Unreadable,
 }
 
 /// One line of the list.
@@ -43,15 +45,19 @@ pub fn list_runs(base: &Path) -> Result<Vec<RunEntry>, RunDirError> {
         .into_iter()
         .map(|name| {
             let path = base.join(&name);
-            let state = if path.join(SUMMARY_FILE).is_file() {
+            let whole = if path.join(SUMMARY_FILE).is_file() {
                 RunState::Complete
             } else {
                 RunState::Unfinished
             };
             let record = RunDirectory::open(&path).and_then(|run| run.read_record());
-            let (command, started) = match record {
-                Ok(record) => (record.command, record.started),
-                Err(error) => (format!("({error})").replace('\n', " "), String::new()),
+            let (command, started, state) = match record {
+                Ok(record) => (record.command, record.started, whole),
+                Err(error) => (
+                    format!("({error})").replace('\n', " "),
+                    String::new(),
+                    RunState::Unreadable,
+                ),
             };
             RunEntry {
                 name,
@@ -64,8 +70,9 @@ pub fn list_runs(base: &Path) -> Result<Vec<RunEntry>, RunDirError> {
         .collect())
 }
 
-/// The run that `text` names: a path, a name under `base`, `last`, or a prefix of exactly
-/// one name.
+/// The run that `text` names: a path, a name under `base`, `last`, or the beginning of exactly
+/// one name, up to a whole part of it. A namesake's number is no continuation: `X` may be the
+/// whole name of a run that is gone, and never means `X-2`.
 ///
 /// # Errors
 /// None or several answer to it.
@@ -88,7 +95,7 @@ pub fn resolve(base: &Path, text: &str) -> Result<RunDirectory, RunDirError> {
     }
     let candidates: Vec<&String> = names
         .iter()
-        .filter(|name| !text.is_empty() && name.starts_with(text))
+        .filter(|name| !text.is_empty() && begins(name, text))
         .collect();
     match candidates.as_slice() {
         [one] => RunDirectory::open(&base.join(one)),
@@ -109,6 +116,20 @@ pub fn resolve(base: &Path, text: &str) -> Result<RunDirectory, RunDirError> {
     }
 }
 
+/// Whether `text` is the beginning of `name` up to a whole part of it: the time or a part of it,
+/// the command, a word of the command; not all but the number of a namesake.
+fn begins(name: &str, text: &str) -> bool {
+    let Some(rest) = name.strip_prefix(text) else {
+        return false;
+    };
+    let whole = rest.is_empty() || text.ends_with(['-', 'T']) || rest.starts_with(['-', 'T']);
+    let number = rest.strip_prefix('-').unwrap_or(rest);
+    whole && !(text.len() >= TIME.len() && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// Form of the time with which every name begins.
+const TIME: &str = "0000-00-00T00-00-00";
+
 /// Sorted names of the run directories under `base`.
 fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
     let fail = |cause| RunDirError::Base {
@@ -123,7 +144,8 @@ fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
     let mut names = Vec::new();
     for entry in entries {
         let entry = entry.map_err(fail)?;
-        if entry.path().join(RECORD_FILE).is_file() {
+        // What cannot be looked into may be a run: it is listed with the reason.
+        if holds_record(&entry.path()).unwrap_or(true) {
             names.push(entry.file_name().to_string_lossy().into_owned());
         }
     }
@@ -134,7 +156,7 @@ fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
 /// Sorting key: the name with a trailing serial number set apart, so that `-10` follows `-9`.
 fn chronological(name: &str) -> (String, u64) {
     match name.rsplit_once('-') {
-        Some((stem, serial)) if stem.len() > 19 => match serial.parse() {
+        Some((stem, serial)) if stem.len() > TIME.len() => match serial.parse() {
             Ok(serial) => (stem.to_owned(), serial),
             Err(_) => (name.to_owned(), 1),
         },
@@ -178,6 +200,22 @@ mod tests {
         );
     }
 
+    /// A record that leads nowhere stands for one that the system does not let be read, which
+    /// cannot be made where tests run as the administrator.
+    #[test]
+    fn a_run_that_cannot_be_read_is_listed_with_the_reason() {
+        let base = base_with(&[("fly", 0)]);
+        let run = base.path().join("1970-01-01T00-00-01-fly");
+        std::fs::create_dir(&run).unwrap();
+        std::os::unix::fs::symlink("run.toml", run.join("run.toml")).unwrap();
+        let list = list_runs(base.path()).unwrap();
+        assert_eq!(list[0].state, RunState::Unfinished);
+        assert_eq!(list[1].state, RunState::Unreadable);
+        assert!(list[1].command.contains("cannot read"), "{list:?}");
+        let error = resolve(base.path(), "1970-01-01T00-00-01-fly").unwrap_err();
+        assert!(matches!(error, RunDirError::Read { .. }), "{error}");
+    }
+
     #[test]
     fn a_run_is_found_by_name_path_or_unique_prefix() {
         let base = base_with(&[("fly", 0), ("fly", 0), ("root", 60)]);
@@ -189,6 +227,25 @@ mod tests {
         ] {
             assert_eq!(resolve(base.path(), text).unwrap().path(), path);
         }
+        // The full name of a run that is gone is no other run, and no part is cut in a word.
+        let gone = RunDirectory::create(base.path(), "budget", UtcSecond(90)).unwrap();
+        let again = RunDirectory::create(base.path(), "budget", UtcSecond(90)).unwrap();
+        again.write_record(&sample()).unwrap();
+        std::fs::remove_dir_all(gone.path()).unwrap();
+        for text in [
+            "1970-01-01T00-01-30-budget",
+            "1970-01-01T00-01-30-budget-",
+            "1970-01-01T00-01-30-bud",
+            "1970-01-01T00-01-3",
+        ] {
+            let error = resolve(base.path(), text).unwrap_err();
+            assert!(matches!(error, RunDirError::NoSuchRun { .. }), "{error}");
+        }
+        assert_eq!(
+            resolve(base.path(), "1970-01-01T00-01-30").unwrap().name(),
+            again.name()
+        );
+        std::fs::remove_dir_all(again.path()).unwrap();
         // A name that is also a prefix of another is itself.
         let exact = resolve(base.path(), "1970-01-01T00-00-00-fly").unwrap();
         assert_eq!(exact.name(), "1970-01-01T00-00-00-fly");

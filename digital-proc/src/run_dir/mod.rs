@@ -14,7 +14,9 @@ mod error;
 mod export;
 mod list;
 mod record;
+mod thin;
 mod trace;
+mod trace_messages;
 mod trace_reader;
 mod utc;
 
@@ -31,6 +33,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use interface::user_file;
 use serde::Serialize;
 
 /// Where runs are kept unless the user says otherwise.
@@ -98,14 +101,18 @@ impl RunDirectory {
     /// # Errors
     /// `path` is no directory or holds no `run.toml`.
     pub fn open(path: &Path) -> Result<RunDirectory, RunDirError> {
-        if path.join(RECORD_FILE).is_file() {
-            return Ok(RunDirectory {
+        match holds_record(path) {
+            Ok(true) => Ok(RunDirectory {
                 path: path.to_owned(),
-            });
+            }),
+            Ok(false) => Err(RunDirError::NotARun {
+                path: path.to_owned(),
+            }),
+            Err(cause) => Err(RunDirError::Read {
+                path: path.join(RECORD_FILE),
+                cause,
+            }),
         }
-        Err(RunDirError::NotARun {
-            path: path.to_owned(),
-        })
     }
 
     /// The directory itself.
@@ -209,7 +216,7 @@ impl RunDirectory {
         rows_per_batch: usize,
     ) -> Result<TraceWriter<File>, TraceError> {
         let path = self.file(name);
-        let file = File::create(&path).map_err(|cause| TraceError::Io {
+        let file = File::create(&path).map_err(|cause| TraceError::Write {
             path: path.clone(),
             cause,
         })?;
@@ -224,6 +231,14 @@ impl RunDirectory {
         Trace::read(&self.file(TRACE_FILE))
     }
 
+    /// The same for figures: of a long trace only what a picture shows.
+    ///
+    /// # Errors
+    /// As [`Trace::read`].
+    pub fn read_trace_thinned(&self) -> Result<Trace, TraceError> {
+        Trace::read_thinned(&self.file(TRACE_FILE))
+    }
+
     /// Writes any further small file whole or not at all.
     ///
     /// # Errors
@@ -235,12 +250,27 @@ impl RunDirectory {
             File::create(&partial)?.write_all(bytes)?;
             fs::rename(&partial, &path)
         };
-        write().map_err(|cause| RunDirError::Write { path, cause })
+        write().map_err(|cause| {
+            // Half a file is of no use to anybody; if this fails too, the reason is the same.
+            let _ = fs::remove_file(&partial);
+            RunDirError::Write { path, cause }
+        })
     }
 
     fn read_file(&self, name: &str) -> Result<String, RunDirError> {
         let path = self.file(name);
-        fs::read_to_string(&path).map_err(|cause| RunDirError::Read { path, cause })
+        user_file::read_text(&path).map_err(|cause| RunDirError::Read { path, cause })
+    }
+}
+
+/// Whether there is a record in `directory`; the system's reason where it does not say.
+fn holds_record(directory: &Path) -> io::Result<bool> {
+    match fs::metadata(directory.join(RECORD_FILE)) {
+        Ok(about) => Ok(about.is_file()),
+        Err(cause) => match cause.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Ok(false),
+            _ => Err(cause),
+        },
     }
 }
 

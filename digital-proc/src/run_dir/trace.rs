@@ -178,7 +178,7 @@ impl<W: Write> TraceWriter<W> {
             .sink
             .write_all(bytes)
             .and_then(|()| self.sink.flush())
-            .map_err(|cause| TraceError::Io {
+            .map_err(|cause| TraceError::Write {
                 path: self.path.clone(),
                 cause,
             });

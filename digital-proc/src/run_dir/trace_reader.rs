@@ -1,21 +1,23 @@
 //! The trace as it is read: all complete batches, and whether the stream was ended.
 //!
-//! The framing of the Arrow stream is walked first: every message must lie wholly within
-//! the file and declare buffers that lie within its own body. What follows the last such
-//! message is the torn tail of a killed run and is left out. Only then does the Arrow
-//! library decode, so that no damaged length can make it allocate or index beyond the file.
+//! What follows the last whole message is the torn tail of a killed run and is left out.
+//! A trace may be longer than memory: for figures it is thinned while it is read.
 
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
-use arrow_ipc::MessageHeader;
 use arrow_ipc::reader::StreamReader;
 use arrow_schema::{DataType, Schema};
 
+use super::thin::Rows;
 use super::trace::{Column, TICK_COLUMN, UNIT_KEY};
+use super::trace_messages::Messages;
 use super::{RunDirError, TraceError};
+/// Rows that a thinned trace has at most; every usual run has fewer.
+const MOST_ROWS: usize = 1 << 16;
 
 /// A trace in memory, column by column.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +26,8 @@ pub struct Trace {
     columns: Vec<Column>,
     ticks: Vec<i64>,
     values: Vec<Vec<f64>>,
+    /// Complete rows of the file, of which some may have been left out.
+    recorded: usize,
     complete: bool,
 }
 
@@ -33,11 +37,16 @@ impl Trace {
     /// # Errors
     /// The file cannot be read, ends before its column names, or is no trace.
     pub fn read(path: &Path) -> Result<Trace, TraceError> {
-        let bytes = std::fs::read(path).map_err(|cause| TraceError::Io {
-            path: path.to_owned(),
-            cause,
-        })?;
-        Trace::from_bytes(&bytes, path)
+        Trace::collect(open(path)?, path, usize::MAX)
+    }
+
+    /// As [`Trace::read`]; of a long trace only the rows that a picture shows, so that
+    /// memory stays bounded: [`Trace::recorded`] tells how many there were.
+    ///
+    /// # Errors
+    /// As [`Trace::read`].
+    pub fn read_thinned(path: &Path) -> Result<Trace, TraceError> {
+        Trace::collect(open(path)?, path, MOST_ROWS)
     }
 
     /// The same from bytes in memory; `path` serves messages only.
@@ -45,39 +54,49 @@ impl Trace {
     /// # Errors
     /// As [`Trace::read`].
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Trace, TraceError> {
+        Trace::collect(bytes, path, usize::MAX)
+    }
+
+    fn collect(source: impl Read, path: &Path, most: usize) -> Result<Trace, TraceError> {
         let not_a_trace = |reason: String| TraceError::NotATrace {
             path: path.to_owned(),
             reason,
         };
-        let framing = walk(bytes).map_err(|reason| not_a_trace(reason.to_owned()))?;
-        if framing.messages == 0 {
-            return Err(TraceError::NothingRecorded {
-                path: path.to_owned(),
-            });
-        }
         let arrow = |cause| TraceError::Arrow {
             path: path.to_owned(),
             cause,
         };
-        let reader =
-            StreamReader::try_new(Cursor::new(&bytes[..framing.end]), None).map_err(arrow)?;
-        let columns = columns_of(&reader.schema()).map_err(not_a_trace)?;
-        let mut trace = Trace {
-            path: path.to_owned(),
-            values: vec![Vec::new(); columns.len()],
-            columns,
-            ticks: Vec::new(),
-            complete: framing.ended,
-        };
-        for batch in reader {
-            let batch = batch.map_err(arrow)?;
-            let ticks = batch.column(0).as_primitive::<Int64Type>();
-            trace.ticks.extend_from_slice(ticks.values());
-            for (column, array) in trace.values.iter_mut().zip(&batch.columns()[1..]) {
-                column.extend_from_slice(array.as_primitive::<Float64Type>().values());
-            }
+        let mut messages = Messages::new(source);
+        if !messages.begin().map_err(|f| f.told_of(path))? {
+            return Err(TraceError::NothingRecorded {
+                path: path.to_owned(),
+            });
         }
-        Ok(trace)
+        let mut reader = StreamReader::try_new(messages, None).map_err(arrow)?;
+        let columns = columns_of(&reader.schema()).map_err(not_a_trace)?;
+        let mut rows = Rows::new(columns.len(), most);
+        loop {
+            let batch = reader.next();
+            if let Some(fault) = reader.get_mut().take_fault() {
+                return Err(fault.told_of(path));
+            }
+            let Some(batch) = batch else { break };
+            let batch = batch.map_err(arrow)?;
+            let ticks = batch.column(0).as_primitive::<Int64Type>().values();
+            let values = batch.columns()[1..].iter();
+            let values: Vec<&[f64]> = values
+                .map(|array| array.as_primitive::<Float64Type>().values().as_ref())
+                .collect();
+            rows.push(ticks, &values);
+        }
+        Ok(Trace {
+            path: path.to_owned(),
+            columns,
+            complete: reader.get_ref().ended(),
+            recorded: rows.seen(),
+            ticks: rows.ticks,
+            values: rows.values,
+        })
     }
 
     /// Its columns, the tick column left out.
@@ -86,7 +105,13 @@ impl Trace {
         &self.columns
     }
 
-    /// Number of complete rows.
+    /// Number of complete rows in the file.
+    #[must_use]
+    pub fn recorded(&self) -> usize {
+        self.recorded
+    }
+
+    /// Number of complete rows here; all of them, unless it was read thinned.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.ticks.len()
@@ -150,95 +175,16 @@ impl Trace {
     }
 }
 
-/// The extent of the readable part.
-struct Framing {
-    /// Bytes up to the end of the last whole message.
-    end: usize,
-    /// Whole messages, the schema included.
-    messages: usize,
-    /// Whether the end mark follows.
-    ended: bool,
-}
-
-/// Walks the messages of a stream: marker, metadata length, metadata, body.
-fn walk(bytes: &[u8]) -> Result<Framing, &'static str> {
-    const MARKER: [u8; 4] = [0xff; 4];
-    let mut framing = Framing {
-        end: 0,
-        messages: 0,
-        ended: false,
+/// Opens a file that can be read to its end: a pipe in its place would be waited for.
+fn open(path: &Path) -> Result<impl Read, TraceError> {
+    let fail = |cause| TraceError::Io {
+        path: path.to_owned(),
+        cause,
     };
-    let mut columns = 0;
-    while let Some((prefix, rest)) = bytes[framing.end..].split_first_chunk::<8>() {
-        if prefix[..4] != MARKER {
-            return Err("it does not begin as an Arrow stream, or a message of it is overwritten");
-        }
-        let length = i32::from_le_bytes([prefix[4], prefix[5], prefix[6], prefix[7]]);
-        let length = usize::try_from(length).map_err(|_| "a message has a negative length")?;
-        if length == 0 {
-            framing.ended = true;
-            break;
-        }
-        let Some(metadata) = rest.get(..length) else {
-            break;
-        };
-        let message =
-            arrow_ipc::root_as_message(metadata).map_err(|_| "a message's metadata is damaged")?;
-        let body =
-            usize::try_from(message.bodyLength()).map_err(|_| "a body has a negative length")?;
-        if rest.len() - length < body {
-            break;
-        }
-        match (framing.messages, message.header_type()) {
-            (0, MessageHeader::Schema) => {
-                let schema = message.header_as_schema().ok_or("it has no schema")?;
-                columns = schema.fields().map_or(0, |fields| fields.len());
-            }
-            (1.., MessageHeader::RecordBatch) => {
-                let batch = message
-                    .header_as_record_batch()
-                    .ok_or("a batch is damaged")?;
-                check_batch(batch, columns, body)?;
-            }
-            _ => return Err("it holds messages that a trace never holds"),
-        }
-        framing.end += 8 + length + body;
-        framing.messages += 1;
+    if !std::fs::metadata(path).map_err(fail)?.is_file() {
+        return Err(fail(io::Error::other("it is no file")));
     }
-    Ok(framing)
-}
-
-/// Each column of a batch is one node and two buffers (validity, then 8 bytes a row), all
-/// within the body and uncompressed.
-fn check_batch(
-    batch: arrow_ipc::RecordBatch<'_>,
-    columns: usize,
-    body: usize,
-) -> Result<(), &'static str> {
-    const DAMAGED: &str = "a batch's buffers do not fit its rows";
-    let (nodes, buffers) = (
-        batch.nodes().ok_or(DAMAGED)?,
-        batch.buffers().ok_or(DAMAGED)?,
-    );
-    let rows = batch.length();
-    let whole = nodes.len() == columns
-        && buffers.len() == 2 * columns
-        && batch.compression().is_none()
-        && (0..=(body / 8) as i64).contains(&rows)
-        && nodes
-            .iter()
-            .all(|node| node.length() == rows && node.null_count() == 0)
-        && buffers.iter().enumerate().all(|(i, buffer)| {
-            let (offset, length) = (buffer.offset(), buffer.length());
-            let enough = i % 2 == 0 || length == rows * 8;
-            offset >= 0
-                && length >= 0
-                && enough
-                && offset
-                    .checked_add(length)
-                    .is_some_and(|end| end <= body as i64)
-        });
-    if whole { Ok(()) } else { Err(DAMAGED) }
+    Ok(BufReader::new(File::open(path).map_err(fail)?))
 }
 
 /// The columns of a trace's schema.
@@ -335,6 +281,25 @@ mod tests {
                 Err(error) => panic!("cut {cut}: {error}"),
             }
         }
+    }
+
+    #[test]
+    fn a_thinned_trace_keeps_every_extreme() {
+        let (bytes, _) = written();
+        let whole = Trace::from_bytes(&bytes, Path::new("t")).unwrap();
+        let thin = Trace::collect(bytes.as_slice(), Path::new("t"), 24).unwrap();
+        assert_eq!((thin.recorded(), whole.recorded()), (ROWS, ROWS));
+        assert!(thin.rows() <= 24, "{}", thin.rows());
+        let extreme = |trace: &Trace, of: fn(f64, f64) -> f64| {
+            (0..3)
+                .map(|c| trace.values(c).unwrap().iter().copied().reduce(of))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(extreme(&thin, f64::min), extreme(&whole, f64::min));
+        assert_eq!(extreme(&thin, f64::max), extreme(&whole, f64::max));
+        assert_eq!(thin.ticks()[0], 0);
+        assert_eq!(thin.ticks().last(), whole.ticks().last());
+        assert!(thin.ticks().is_sorted());
     }
 
     #[test]

@@ -16,6 +16,7 @@ use super::{
     },
 };
 use interface::frame::Updates;
+use nalgebra::ComplexField;
 use serde::Serialize;
 
 /// Where the force and moment tables end, rad.
@@ -233,7 +234,7 @@ impl AlphaSetting {
     /// When the monodromy matrix has no eigenvalues to be found.
     pub fn within_tables(mut self) -> Result<AlphaSetting, LabError> {
         let growth = self.loop_.spectral_radius()?.max(1.0);
-        self.initial_rad = self.initial_rad.min(1e-2 * growth.powi(-60));
+        self.initial_rad = self.initial_rad.min(1e-2 * libm::pow(growth, -60.0));
         Ok(self)
     }
 
@@ -338,8 +339,8 @@ impl AlphaSetting {
             zeta_exact: damping_ratio(exact),
             zeta_first_order: damping_ratio(first),
             zeta_continuous: damping_ratio(near),
-            omega_measured_rad_s: measured.norm(),
-            omega_exact_rad_s: exact.norm(),
+            omega_measured_rad_s: measured.modulus(),
+            omega_exact_rad_s: exact.modulus(),
             stable_measured: !law.left_table
                 && peak(&differences[differences.len() - third..]) < peak(&differences[..third]),
             spectral_radius: self.loop_.spectral_radius()?,

@@ -103,7 +103,7 @@ impl AxesSetting {
     /// of half a frame's turn to γ, which is an error of the start and not of the axes.
     #[must_use]
     pub fn attitude(&self, t_s: f64) -> (f64, f64) {
-        let (s, c) = (self.omega_rad_s * t_s).sin_cos();
+        let (s, c) = libm::sincos(self.omega_rad_s * t_s);
         (
             self.mean_rad + self.turn_rad_s * t_s - self.amplitude_rad * c,
             self.turn_rad_s + self.amplitude_rad * self.omega_rad_s * s,
@@ -115,11 +115,11 @@ impl AxesSetting {
         let (v, gamma) = (self.speed_m_s, self.mean_rad);
         let alpha = theta - gamma;
         let pair = match axes {
-            Axes::Body => [v * alpha.cos(), v * alpha.sin()],
+            Axes::Body => [v * libm::cos(alpha), v * libm::sin(alpha)],
             Axes::FlightPath => [v, gamma],
             Axes::H => [
-                (EARTH_RADIUS_M + self.altitude_m) * v * gamma.cos(),
-                v * gamma.sin(),
+                (EARTH_RADIUS_M + self.altitude_m) * v * libm::cos(gamma),
+                v * libm::sin(gamma),
             ],
         };
         State([pair[0], pair[1], self.altitude_m, 0.0])
@@ -143,32 +143,33 @@ impl AxesSetting {
         let normal = |alpha: f64| -self.normal_m_s2_per_rad * alpha;
         match axes {
             Axes::Body => {
-                let alpha = b.atan2(a);
-                let (v, gamma) = (a.hypot(b), pitch - alpha);
+                let alpha = libm::atan2(b, a);
+                let (v, gamma) = (libm::hypot(a, b), pitch - alpha);
                 State([
-                    x - q * b - g * pitch.sin(),
-                    normal(alpha) + q * a + offset + g * pitch.cos(),
-                    v * gamma.sin(),
-                    v * gamma.cos() / r,
+                    x - q * b - g * libm::sin(pitch),
+                    normal(alpha) + q * a + offset + g * libm::cos(pitch),
+                    v * libm::sin(gamma),
+                    v * libm::cos(gamma) / r,
                 ])
             }
             Axes::FlightPath => {
                 let alpha = pitch - b;
                 let z = normal(alpha) + offset;
                 State([
-                    x * alpha.cos() + z * alpha.sin() - g * b.sin(),
-                    (x * alpha.sin() - z * alpha.cos()) / a - (g / a - a / r) * b.cos(),
-                    a * b.sin(),
-                    a * b.cos() / r,
+                    x * libm::cos(alpha) + z * libm::sin(alpha) - g * libm::sin(b),
+                    (x * libm::sin(alpha) - z * libm::cos(alpha)) / a
+                        - (g / a - a / r) * libm::cos(b),
+                    a * libm::sin(b),
+                    a * libm::cos(b) / r,
                 ])
             }
             Axes::H => {
                 let v_h = a / r;
-                let alpha = pitch - b.atan2(v_h);
+                let alpha = pitch - libm::atan2(b, v_h);
                 let z = normal(alpha) + offset;
                 State([
-                    r * (x * pitch.cos() + z * pitch.sin()),
-                    x * pitch.sin() - z * pitch.cos() + v_h * v_h / r - g,
+                    r * (x * libm::cos(pitch) + z * libm::sin(pitch)),
+                    x * libm::sin(pitch) - z * libm::cos(pitch) + v_h * v_h / r - g,
                     b,
                     v_h / r,
                 ])
@@ -195,9 +196,9 @@ impl AxesSetting {
     fn gamma(axes: Axes, s: State, theta: f64) -> f64 {
         let [a, b, h, range] = s.0;
         match axes {
-            Axes::Body => theta + range - b.atan2(a),
+            Axes::Body => theta + range - libm::atan2(b, a),
             Axes::FlightPath => b,
-            Axes::H => b.atan2(a / (EARTH_RADIUS_M + h)),
+            Axes::H => libm::atan2(b, a / (EARTH_RADIUS_M + h)),
         }
     }
 

@@ -13,7 +13,7 @@ use super::{
     },
     feedback::{CircleRow, CircleSetting, RootRow, RootSetting},
     function_generation::{Correlated, FunctionRow, FunctionSetting, Way},
-    loop_study::{LoopCase, LoopRow, LoopStudy},
+    loop_study::{LoopCase, LoopRow, LoopStudy, Saturated},
     plan::{LabError, RunPlan},
     theory::hold::Hold,
 };
@@ -153,7 +153,8 @@ impl<'c, 'p> Bench<'c, 'p> {
         }
     }
 
-    /// Converters and coefficients that saturated in any run so far.
+    /// Converters and coefficients that saturated in any run so far; a study tells its own with
+    /// each case.
     #[must_use]
     pub fn saturated(&self) -> &[String] {
         &self.saturated
@@ -218,8 +219,26 @@ impl<'c, 'p> Bench<'c, 'p> {
         latency: Tick,
         skew: Tick,
         stop: Tick,
-        mut law: impl FnMut(&Samples, &mut Updates),
+        law: impl FnMut(&Samples, &mut Updates),
     ) -> Result<(), BenchFault> {
+        let (saturations, _) = self.operate_noting(frame, latency, skew, stop, law)?;
+        for name in saturations.names(self.console.channels()) {
+            if !self.saturated.contains(&name) {
+                self.saturated.push(name);
+            }
+        }
+        Ok(())
+    }
+
+    /// The same; what saturated in this run, and the frames in which it was told.
+    fn operate_noting(
+        &mut self,
+        frame: Tick,
+        latency: Tick,
+        skew: Tick,
+        stop: Tick,
+        mut law: impl FnMut(&Samples, &mut Updates),
+    ) -> Result<(Saturations, Vec<u64>), BenchFault> {
         let spec = RunSpec {
             frame,
             latency,
@@ -229,20 +248,18 @@ impl<'c, 'p> Bench<'c, 'p> {
             clock: Clock::LockStep,
         };
         let mut saturations = Saturations::default();
+        let mut frames = Vec::new();
         self.console
             .operate::<ConsoleFault>(&spec, |samples, updates| {
-                saturations.note(samples);
+                if saturations.note(samples) {
+                    frames.push(samples.frame);
+                }
                 if samples.run_state() != RunState::Ended {
                     law(samples, updates);
                 }
                 Ok(())
             })?;
-        for name in saturations.names(self.console.channels()) {
-            if !self.saturated.contains(&name) {
-                self.saturated.push(name);
-            }
-        }
-        Ok(())
+        Ok((saturations, frames))
     }
 
     /// Circle test.
@@ -379,10 +396,15 @@ impl<'c, 'p> Bench<'c, 'p> {
         self.console
             .load(bundle.clone(), study.params.clone(), profile)?;
         let mut law = study.law(self.console.channels())?;
-        self.operate(case.frame, case.latency, Tick::ZERO, study.stop, |s, up| {
-            law.step(s.frame, &s.adc, up);
-        })?;
-        let mut row = case.row(&law)?;
+        let (saturations, frames) =
+            self.operate_noting(case.frame, case.latency, Tick::ZERO, study.stop, |s, up| {
+                law.step(s.frame, &s.adc, up);
+            })?;
+        let saturated = Saturated {
+            channels: saturations.names(self.console.channels()),
+            frames,
+        };
+        let mut row = study.row(case, &law, &saturated)?;
         row.bits = bits;
         Ok(row)
     }

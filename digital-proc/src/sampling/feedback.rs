@@ -11,6 +11,7 @@ use super::{
     theory::{C64, damping_ratio, feedback_loop::FeedbackLoop, growth_per_cycle, hold::Hold},
 };
 use interface::frame::Updates;
+use nalgebra::ComplexField;
 use serde::Serialize;
 
 /// `u_n = k [m_n + a (m_n − m_{n−1})]`, with `m_{−1} = m_0`.
@@ -147,7 +148,8 @@ impl CircleSetting {
             theory.continuous_root()?,
         )?);
         let exact = growth_per_cycle(theory.exact_root()?);
-        let first = (std::f64::consts::PI * self.omega_rad_s() * theory.effective_delay_s()).exp();
+        let first =
+            libm::exp(std::f64::consts::PI * self.omega_rad_s() * theory.effective_delay_s());
         Ok(CircleRow {
             samples_per_cycle: self.samples_per_cycle,
             latency_frames: self.latency_frames,
@@ -311,9 +313,9 @@ impl RootSetting {
             zeta_measured: damping_ratio(measured),
             zeta_exact: damping_ratio(exact),
             zeta_first_order: damping_ratio(first),
-            omega_measured_rad_s: measured.norm(),
-            omega_exact_rad_s: exact.norm(),
-            omega_first_order_rad_s: first.norm(),
+            omega_measured_rad_s: measured.modulus(),
+            omega_exact_rad_s: exact.modulus(),
+            omega_first_order_rad_s: first.modulus(),
         })
     }
 }

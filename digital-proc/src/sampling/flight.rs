@@ -30,6 +30,7 @@ use interface::{
     frame::{ModeCommand, Samples, Updates},
     profile::Profile,
 };
+use nalgebra::ComplexField;
 use serde::Serialize;
 
 /// A flight further than this from its command is lost, rad (20 degrees).
@@ -220,7 +221,7 @@ impl Task {
     ) {
         let [theta, psi, phi] = result.attitude.angle_rad;
         let [q, r, p] = self.channels.gyro.map(|n| samples.adc[n]);
-        let (s, c) = phi.sin_cos();
+        let (s, c) = libm::sincos(phi);
         let (error_theta, error_psi) = (command - theta, -psi);
         let errors = [
             error_theta * c + error_psi * s,
@@ -229,7 +230,7 @@ impl Task {
         let settings = &result.settings;
         let gains = &settings.gains;
         // The lag's answer to a held input over one frame.
-        let keep = (-self.frame_s / self.filter_s).exp();
+        let keep = libm::exp(-self.frame_s / self.filter_s);
         let mut tvc = [0.0; 2];
         for (i, rate) in [q, r].into_iter().enumerate() {
             let input = errors[i] - gains.ftc_lead_s * rate;
@@ -402,7 +403,7 @@ pub fn row(
         partition,
         frame_s: frame.secs(),
         zeta: pole.map(damping_ratio),
-        omega_rad_s: pole.map(|s| s.norm()),
+        omega_rad_s: pole.map(|s| s.modulus()),
         max_q_alpha_padeg: base.max_q_alpha_padeg,
         worst_error_deg: base.worst_error_rad.to_degrees(),
         worst_roll_deg: base.worst_roll_rad.to_degrees(),
@@ -420,7 +421,7 @@ fn dominant(answer: &[f64], frame_s: f64) -> Option<super::theory::C64> {
     let period_s = stride as f64 * frame_s;
     let roots = identify::poles(&changes, period_s, 1e-3).ok()?;
     identify::strongest(&changes, period_s, &roots, |s| {
-        s.im > 0.0 && (1.0..15.0).contains(&s.norm())
+        s.im > 0.0 && (1.0..15.0).contains(&s.modulus())
     })
 }
 

@@ -235,7 +235,7 @@ impl FunctionSetting {
             Way::Hybrid | Way::LocalCell => 0.0,
         };
         let rms_theory = match way {
-            Way::AllDigital => Some(2.0 * (lag_theory / 2.0).sin()),
+            Way::AllDigital => Some(2.0 * libm::sin(lag_theory / 2.0)),
             Way::Hybrid => Some(self.staircase_ratio()?),
             Way::LocalCell => None,
         };
@@ -259,7 +259,7 @@ impl FunctionSetting {
         for i in 0..n {
             let part = (f64::from(i) + 0.5) / f64::from(n);
             let t = self.start_s() + part * window;
-            let alpha = self.amplitude_rad * (self.omega_rad_s() * t).sin();
+            let alpha = self.amplitude_rad * libm::sin(self.omega_rad_s() * t);
             let (m, d) = (self.mach(t), 1e-6);
             slope += ((table.value(alpha, m + d) - table.value(alpha, m - d)) / (2.0 * d)).powi(2);
             level += table.value(alpha, m).powi(2);

@@ -6,8 +6,11 @@
 //! it finds every mode of a sampled free response, so that the settled and the dying
 //! modes are told apart rather than fitted together. Neither knows the theory.
 
-use crate::sampling::theory::{C64, equivalent_root};
-use nalgebra::{DMatrix, Matrix3, Schur, Vector3};
+use crate::sampling::{
+    modal_fit::ModalFit,
+    theory::{C64, equivalent_root},
+};
+use nalgebra::{ComplexField, DMatrix, Matrix3, Schur, Vector3};
 use serde::Serialize;
 
 /// Why nothing could be identified.
@@ -70,7 +73,7 @@ pub fn fit_sine(
     let mut normal = Matrix3::zeros();
     let mut right = Vector3::zeros();
     for (t, y) in times_s.iter().zip(values) {
-        let (s, c) = (omega_rad_s * t).sin_cos();
+        let (s, c) = libm::sincos(omega_rad_s * t);
         let row = Vector3::new(1.0, s, c);
         normal += row * row.transpose();
         right += row * *y;
@@ -84,14 +87,14 @@ pub fn fit_sine(
         .iter()
         .zip(values)
         .map(|(t, y)| {
-            let (sin, cos) = (omega_rad_s * t).sin_cos();
+            let (sin, cos) = libm::sincos(omega_rad_s * t);
             (y - mean - s * sin - c * cos).powi(2)
         })
         .sum();
     Ok(SineFit {
         mean,
-        amplitude: s.hypot(c),
-        phase_rad: c.atan2(s),
+        amplitude: libm::hypot(s, c),
+        phase_rad: libm::atan2(c, s),
         residual_rms: (square / n as f64).sqrt(),
     })
 }
@@ -99,7 +102,7 @@ pub fn fit_sine(
 /// Phase of `sin` and `cos` correlations `∫y sin ωt dt`, `∫y cos ωt dt` over whole periods, rad.
 #[must_use]
 pub fn correlated_phase_rad(sine: f64, cosine: f64) -> f64 {
-    cosine.atan2(sine)
+    libm::atan2(cosine, sine)
 }
 
 /// Difference of two angles brought to (−π, π].
@@ -114,7 +117,7 @@ pub fn angle_difference_rad(a: f64, b: f64) -> f64 {
 }
 
 /// Longest record that [`poles`] takes; further samples are left out.
-const LONGEST: usize = 320;
+pub const LONGEST: usize = 320;
 /// Greatest number of modes sought.
 const MODES: usize = 12;
 /// Shortest record: five modes and twice as many equations.
@@ -123,12 +126,25 @@ pub const SHORTEST: usize = 18;
 /// Equivalent roots `ln z / T` of every mode above `floor` (relative to the largest singular
 /// value; 1e-9 for a noise-free record, more for a quantised one), by the matrix pencil.
 ///
+/// # Errors
+/// On a short or non-finite record, or when a decomposition does not converge.
+pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, IdentifyError> {
+    Ok(factors(samples, floor)?
+        .iter()
+        .filter(|z| z.modulus() > 1e-9)
+        .map(|z| equivalent_root(*z, period_s))
+        .collect())
+}
+
+/// Factors z of a frame of every mode above `floor`, as [`poles`]; those at zero are what is over
+/// after a few frames, such as a delay of the law that fills.
+///
 /// The Hankel matrix `Y[i][j] = y_{i+j}` of a sum of p exponentials has rank p and its row space
 /// is spanned by Vandermonde rows, whose shift has the z as eigenvalues.
 ///
 /// # Errors
-/// On a short or non-finite record, or when a decomposition does not converge.
-pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, IdentifyError> {
+/// As [`poles`].
+pub fn factors(samples: &[f64], floor: f64) -> Result<Vec<C64>, IdentifyError> {
     check(samples, SHORTEST)?;
     let y = &samples[..samples.len().min(LONGEST)];
     let columns = (y.len() / 3).clamp(5, 3 * MODES) + 1;
@@ -156,10 +172,7 @@ pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, Ide
     let z = Schur::try_new(shift, f64::EPSILON, 500 * order)
         .ok_or(IdentifyError::NoConvergence)?
         .complex_eigenvalues();
-    Ok(z.iter()
-        .filter(|z| z.norm() > 1e-9)
-        .map(|z| equivalent_root(*z, period_s))
-        .collect())
+    Ok(z.iter().copied().collect())
 }
 
 /// Of `candidates`, the equivalent root whose mode has the most energy in the record, by a
@@ -171,18 +184,14 @@ pub fn strongest(
     roots: &[C64],
     candidates: impl Fn(&C64) -> bool,
 ) -> Option<C64> {
-    let z: Vec<C64> = roots.iter().map(|s| (s * period_s).exp()).collect();
-    let modes = DMatrix::from_fn(samples.len(), z.len(), |n, k| {
-        z[k].powi(i32::try_from(n).unwrap_or(i32::MAX))
-    });
-    let right = DMatrix::from_fn(samples.len(), 1, |n, _| C64::new(samples[n], 0.0));
-    let qr = modes.clone().qr();
-    let weights = qr.r().solve_upper_triangular(&(qr.q().adjoint() * right))?;
-    let energy =
-        |k: usize| weights[(k, 0)].norm_sqr() * modes.column(k).map(|m| m.norm_sqr()).sum();
+    let z: Vec<C64> = roots
+        .iter()
+        .map(|s| ComplexField::exp(s * period_s))
+        .collect();
+    let energy = ModalFit::new(samples, &z)?.energy;
     (0..roots.len())
         .filter(|k| candidates(&roots[*k]))
-        .max_by(|a, b| energy(*a).total_cmp(&energy(*b)))
+        .max_by(|a, b| energy[*a].total_cmp(&energy[*b]))
         .map(|k| roots[k])
 }
 
@@ -211,8 +220,8 @@ fn right_singular_vectors(matrix: DMatrix<f64>) -> Option<(Vec<f64>, DMatrix<f64
                 }
                 rotated = true;
                 let zeta = (beta - alpha) / (2.0 * gamma);
-                let t = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
+                let t = zeta.signum() / (zeta.abs() + libm::hypot(zeta, 1.0));
+                let c = 1.0 / libm::hypot(t, 1.0);
                 let s = c * t;
                 for m in [&mut a, &mut v] {
                     for i in 0..m.nrows() {
@@ -251,7 +260,8 @@ pub fn oscillatory_pole(
     crate::sampling::theory::nearest_root(&oscillatory, near).ok_or(IdentifyError::NoOscillation)
 }
 
-fn check(values: &[f64], needed: usize) -> Result<(), IdentifyError> {
+/// Refuses fewer than `needed` samples, and what is no number.
+pub(super) fn check(values: &[f64], needed: usize) -> Result<(), IdentifyError> {
     if values.len() < needed {
         return Err(IdentifyError::TooFew {
             found: values.len(),

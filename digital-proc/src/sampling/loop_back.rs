@@ -272,7 +272,7 @@ impl Bench<'_, '_> {
         let (sine, cosine) = (at(0), at(1));
         let span_s = stages.frame.secs() * f64::from(window.frames);
         Ok(Response {
-            gain: 2.0 * sine.hypot(cosine) / (span_s * route.full_scale / 2.0),
+            gain: 2.0 * libm::hypot(sine, cosine) / (span_s * route.full_scale / 2.0),
             phase_rad: angle_difference_rad(correlated_phase_rad(sine, cosine), 0.0),
         })
     }

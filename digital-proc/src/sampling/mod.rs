@@ -16,6 +16,7 @@ pub mod identify;
 pub mod loop_back;
 pub mod loop_law;
 pub mod loop_study;
+pub mod modal_fit;
 #[cfg(test)]
 mod plain_machine;
 pub mod plan;

@@ -15,3 +15,4 @@ pub mod evaluate;
 pub mod merge;
 pub mod schedule;
 pub mod search;
+pub mod verdict;

@@ -14,6 +14,10 @@ use crate::{
     frame::{Samples, Updates},
     protocol::{self, Protocol},
 };
+use std::time::{Duration, Instant};
+
+/// Time between two looks at the partner while this side computes.
+const LOOK: Duration = Duration::from_millis(10);
 
 /// What a transport does for the analog end. Nothing here blocks.
 pub trait AnalogWire: Watch {
@@ -49,6 +53,8 @@ pub struct AnalogEnd<W> {
     patience: Patience,
     /// Updates that came before their frame was asked for (wall clock only).
     early: Option<Updates>,
+    /// When it was last looked whether the partner lives, while computing.
+    looked: Option<Instant>,
 }
 
 /// The digital processor's end over wire `W`.
@@ -60,12 +66,17 @@ pub struct DigitalEnd<W> {
 }
 
 impl<W> AnalogEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> AnalogEnd<W> {
         AnalogEnd {
             wire,
             protocol,
             patience: patience.clone(),
             early: None,
+            looked: None,
         }
     }
 
@@ -76,6 +87,10 @@ impl<W> AnalogEnd<W> {
 }
 
 impl<W> DigitalEnd<W> {
+    pub(super) fn wire(&self) -> &W {
+        &self.wire
+    }
+
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> DigitalEnd<W> {
         DigitalEnd {
             wire,
@@ -171,11 +186,22 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
                 Ok(None)
             }
             Some(updates) => self.admit(updates, frame).map(Some),
-            None if self.wire.gone_within(std::time::Duration::ZERO) => {
-                Err(died(&self.wire, frame))
-            }
+            None if self.wire.gone() => Err(died(&self.wire, frame)),
             None => Ok(None),
         }
+    }
+
+    fn attend(&mut self) -> Result<(), LinkFault> {
+        let frame = self.protocol.frame();
+        self.patience.check_interrupt(frame)?;
+        if self.looked.is_some_and(|at| at.elapsed() < LOOK) {
+            return Ok(());
+        }
+        self.looked = Some(Instant::now());
+        if self.wire.gone() {
+            return Err(died(&self.wire, frame));
+        }
+        Ok(())
     }
 
     fn await_request(&mut self) -> Result<Request, LinkFault> {

@@ -7,6 +7,7 @@
 
 use super::{
     LinkFault,
+    bell::Bell,
     end::{AnalogEnd, AnalogWire, DigitalEnd, DigitalWire, died},
     waiting::{Patience, Watch},
 };
@@ -17,11 +18,7 @@ use crate::{
     protocol::Protocol,
 };
 use std::{
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-        mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
-    },
+    sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
     time::{Duration, Instant},
 };
 
@@ -87,36 +84,24 @@ pub struct DigitalQueues {
     presence: Presence,
 }
 
-/// Sees the other end go, and tells it of one's own end.
+/// Sees the other end go, and tells it of one's own end: by dropping the bell.
 #[derive(Debug)]
 struct Presence {
     partner: Side,
-    partner_gone: Arc<AtomicBool>,
-    self_gone: Arc<AtomicBool>,
+    bell: Bell,
     started: Instant,
 }
 
 impl Presence {
     /// The presences of the analog and of the digital end.
     fn pair() -> (Presence, Presence) {
-        let analog_gone = Arc::new(AtomicBool::new(false));
-        let digital_gone = Arc::new(AtomicBool::new(false));
-        let end = |partner, partner_gone: &Arc<AtomicBool>, self_gone: &Arc<AtomicBool>| Presence {
+        let (analog, digital) = Bell::pair();
+        let end = |partner, bell| Presence {
             partner,
-            partner_gone: partner_gone.clone(),
-            self_gone: self_gone.clone(),
+            bell,
             started: Instant::now(),
         };
-        (
-            end(Side::Digital, &digital_gone, &analog_gone),
-            end(Side::Analog, &analog_gone, &digital_gone),
-        )
-    }
-}
-
-impl Drop for Presence {
-    fn drop(&mut self) {
-        self.self_gone.store(true, Ordering::Release);
+        (end(Side::Digital, analog), end(Side::Analog, digital))
     }
 }
 
@@ -125,20 +110,25 @@ impl Watch for Presence {
         self.partner
     }
 
-    fn gone_within(&self, slice: Duration) -> bool {
-        if !self.left() && !slice.is_zero() {
-            // A thread has no descriptor to block on; short naps keep frames prompt.
-            std::thread::sleep(slice.min(Duration::from_millis(1)));
-        }
-        self.left()
+    fn bell(&self) -> &Bell {
+        &self.bell
+    }
+
+    fn gone(&self) -> bool {
+        self.bell.partner_closed()
     }
 
     fn left(&self) -> bool {
-        self.partner_gone.load(Ordering::Acquire)
+        self.gone()
     }
 
     fn epitaph(&self) -> String {
         "its end of the link was dropped".to_owned()
+    }
+
+    /// The threads of a process stop together.
+    fn stopped(&self) -> bool {
+        false
     }
 
     /// A thread that still holds its end counts as computing: it cannot vanish
@@ -156,7 +146,10 @@ fn put<T>(
     lossy: bool,
 ) -> Result<(), LinkFault> {
     match queue.try_send(message) {
-        Ok(()) => Ok(()),
+        Ok(()) => {
+            presence.bell.ring();
+            Ok(())
+        }
         // A reader that fell behind on the wall clock loses frames and sees the gap.
         Err(TrySendError::Full(_)) if lossy => Ok(()),
         Err(TrySendError::Full(_)) => Err(LinkFault::Transport {
@@ -173,14 +166,20 @@ macro_rules! watch_by_presence {
             fn side(&self) -> Side {
                 self.presence.side()
             }
-            fn gone_within(&self, slice: Duration) -> bool {
-                self.presence.gone_within(slice)
+            fn bell(&self) -> &Bell {
+                self.presence.bell()
+            }
+            fn gone(&self) -> bool {
+                self.presence.gone()
             }
             fn left(&self) -> bool {
                 self.presence.left()
             }
             fn epitaph(&self) -> String {
                 self.presence.epitaph()
+            }
+            fn stopped(&self) -> bool {
+                self.presence.stopped()
             }
             fn cpu_time(&self) -> Option<Duration> {
                 self.presence.cpu_time()

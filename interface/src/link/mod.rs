@@ -2,6 +2,7 @@
 //!
 //! Every call has a deadline and notices a dead partner; none waits for ever.
 
+mod bell;
 mod end;
 pub mod memory;
 pub mod shm;
@@ -38,6 +39,14 @@ pub enum LinkFault {
         /// Seconds waited.
         waited_s: f64,
     },
+    /// The other process was stopped, as by Ctrl-Z, and not continued.
+    #[error("{side} was stopped by a signal and does not go on (frame {frame})")]
+    Stopped {
+        /// `analog-proc` or `digital-proc`.
+        side: &'static str,
+        /// Frame waited for.
+        frame: u64,
+    },
     /// A frame or message out of order.
     #[error("protocol violation at frame {frame}: {detail}")]
     Protocol {
@@ -67,6 +76,7 @@ impl LinkFault {
     pub(crate) fn at_frame(mut self, number: u64) -> LinkFault {
         if let LinkFault::PartnerDied { frame, .. }
         | LinkFault::Deadline { frame, .. }
+        | LinkFault::Stopped { frame, .. }
         | LinkFault::Protocol { frame, .. }
         | LinkFault::Interrupted { frame } = &mut self
         {
@@ -94,6 +104,12 @@ pub trait AnalogPort {
     /// # Errors
     /// As [`AnalogPort::await_updates`].
     fn poll_updates(&mut self, frame: u64) -> Result<Option<Updates>, LinkFault>;
+    /// Looks whether somebody still waits for this side, which is computing; cheap enough
+    /// to be asked every few microseconds.
+    ///
+    /// # Errors
+    /// [`LinkFault`] when the partner is gone or this process was interrupted.
+    fn attend(&mut self) -> Result<(), LinkFault>;
     /// Waits for the next request, as long as the partner lives.
     ///
     /// # Errors

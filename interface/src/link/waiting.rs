@@ -1,20 +1,23 @@
-//! How a side waits for the other: spin, then yield, then block.
+//! How a side waits for the other: spin, then yield, then sleep by the bell.
 //!
 //! The answer to a frame comes within microseconds as long as both processes
 //! run, so a wait first spins (2 µs), then yields the processor (needed when
-//! both share one core), then blocks for a slice of time that grows with the
-//! time waited: at most an eighth of it, so that blocking never makes a wait
-//! longer by more than an eighth. A block ends at once when the partner dies.
+//! both share one core), then sleeps until the partner rings ([`Bell`]). A
+//! sleep lasts a slice of time at most, after which the wait looks whether the
+//! partner is still there. Beside busy programs, where a yield is dear, waits
+//! sleep at once ([`Bell::crowded`]).
 //!
-//! On the wall clock, where lateness counts, it yields for longer than a fast frame.
+//! On the wall clock, where lateness counts, it yields for longer than a fast frame,
+//! whoever else is busy.
 //!
 //! It refuses to wait for ever. A partner that lives but neither answers nor
 //! computes for [`Patience::silence`] has hung; one that uses processor time is
-//! working, and may for [`Patience::busy_limit`]. Between runs the analog side alone
+//! working, and may for [`Patience::busy_limit`]; one that was stopped (Ctrl-Z, SIGSTOP)
+//! may be so for [`STOPPED`]. Between runs the analog side alone
 //! waits without a limit, for as long as its partner lives: somebody may be thinking
 //! about the next request.
 
-use super::LinkFault;
+use super::{LinkFault, bell::Bell};
 use crate::Side;
 use std::{
     sync::{
@@ -31,16 +34,23 @@ const YIELD: Duration = Duration::from_micros(200);
 /// The same in a wait for a frame on the wall clock, where lateness counts: longer than a fast
 /// frame, since a processor that has gone to sleep may wake up milliseconds late.
 const YIELD_PROMPT: Duration = Duration::from_millis(2);
-/// Shortest block; below it the timer's own slack (50 µs) rules.
-const SLICE_MIN: Duration = Duration::from_micros(50);
-/// Block in such a wait.
+/// Sleep in such a wait.
 const SLICE_PROMPT: Duration = Duration::from_micros(100);
-/// Longest block: a dead partner or an interrupt is noticed within it.
+/// Shortest sleep; a message ends it earlier.
+const SLICE_MIN: Duration = Duration::from_millis(1);
+/// The same while a partner is awaited that may not ring yet; below it the timer's own
+/// slack (50 µs) rules.
+const SLICE_ARRIVAL: Duration = Duration::from_micros(50);
+/// Longest sleep: a dead partner or an interrupt is noticed within it.
 const SLICE_MAX: Duration = Duration::from_millis(20);
 /// Longest time between two looks at the partner's place in the session.
 const LOOK: Duration = Duration::from_millis(40);
+/// A partner that was stopped is given up after this time: within two seconds of its stop,
+/// and not for a stop of one second. A process that is merely slow, or starved of the
+/// processor, is not in that state, nor is one in a debugger.
+const STOPPED: Duration = Duration::from_millis(1500);
 /// A partner that uses more than this share of a core while it is silent is
-/// computing. An idle wait with blocks of [`SLICE_MAX`] uses about a thousandth.
+/// computing. An idle wait with sleeps of [`SLICE_MAX`] uses about a thousandth.
 const BUSY_SHARE: f64 = 0.01;
 
 /// How long a link waits, and what ends a wait early.
@@ -92,12 +102,16 @@ impl Patience {
 pub trait Watch {
     /// Which side it is.
     fn side(&self) -> Side;
-    /// Blocks at most `slice`; true when the partner has gone. May return early.
-    fn gone_within(&self, slice: Duration) -> bool;
+    /// Rung by the partner after each message.
+    fn bell(&self) -> &Bell;
+    /// Whether the partner has gone.
+    fn gone(&self) -> bool;
     /// A slower look for a partner that lives but gave up the session.
     fn left(&self) -> bool;
     /// How it ended.
     fn epitaph(&self) -> String;
+    /// Whether it was stopped and not continued, where that can be told.
+    fn stopped(&self) -> bool;
     /// Processor time used so far, where it can be told.
     fn cpu_time(&self) -> Option<Duration>;
 }
@@ -134,39 +148,69 @@ pub(super) fn wait<W: Watch, T>(
             return Ok(found);
         }
     }
-    let awake = match limit {
-        Limit::Prompt => YIELD_PROMPT,
-        _ => YIELD,
+    let prompt = limit == Limit::Prompt;
+    let awake = match (prompt, watch.bell().crowded()) {
+        (true, _) => YIELD_PROMPT,
+        (false, false) => YIELD,
+        (false, true) => Duration::ZERO,
     };
-    while start.elapsed() < awake {
+    let mut now = start.elapsed();
+    while now < awake {
         rustix::thread::sched_yield();
+        let before = std::mem::replace(&mut now, start.elapsed());
+        let slow = watch.bell().yielded_for(now - before);
         if let Some(found) = attempt(watch)? {
             return Ok(found);
         }
+        if slow && !prompt {
+            break;
+        }
     }
     let mut looked = Instant::now();
+    let mut stopped: Option<Instant> = None;
     let mut window: Option<Window> = None;
     loop {
         patience.check_interrupt(frame)?;
         let waited = start.elapsed();
+        // At most an eighth of the time waited, so that what is not rung for (an arrival)
+        // is not noticed much too late.
         let slice = match limit {
             Limit::Prompt => SLICE_PROMPT,
+            Limit::After(_) => (waited / 8).clamp(SLICE_ARRIVAL, SLICE_MAX),
             _ => (waited / 8).clamp(SLICE_MIN, SLICE_MAX),
         };
-        let mut gone = watch.gone_within(slice);
+        let heard = watch.bell().listen();
+        let found = attempt(watch);
+        if !matches!(found, Ok(None)) {
+            watch.bell().stay_awake();
+        }
+        if let Some(found) = found? {
+            return Ok(found);
+        }
+        watch.bell().sleep(heard, slice);
+        let mut gone = watch.gone();
         if !gone && looked.elapsed() > LOOK {
             gone = watch.left();
             looked = Instant::now();
+            stopped = stopped.or(Some(looked)).filter(|_| watch.stopped());
         }
         // Once more even when it is gone: its last message may have come first.
         if let Some(found) = attempt(watch)? {
             return Ok(found);
         }
         if gone {
+            // In one process both sides hear of an interrupt, and either may leave first.
+            patience.check_interrupt(frame)?;
             return Err(LinkFault::PartnerDied {
                 side: watch.side().name(),
                 frame,
                 detail: watch.epitaph(),
+            });
+        }
+        if limit != Limit::Unlimited && stopped.is_some_and(|s| s.elapsed() > STOPPED) {
+            return Err(LinkFault::Stopped {
+                side: watch.side().name(),
+                frame,
             });
         }
         let over = match limit {

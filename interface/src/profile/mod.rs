@@ -14,9 +14,10 @@ use crate::{
     coefficient::CoefficientUnit,
     converter::{Converter, ConverterError},
     hold::{HoldKind, Settling},
+    user_file,
 };
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
 /// Overload level when a profile states none: |x| > 1.1 of a block's `max`.
 pub const DEFAULT_OVERLOAD_LEVEL: f64 = 1.1;
@@ -238,7 +239,7 @@ impl Profile {
     pub fn load(name_or_path: &str) -> Result<Profile, ProfileError> {
         match built_in(name_or_path) {
             Some(text) => Profile::parse(text, &format!("machines/{name_or_path}.toml")),
-            None => match std::fs::read_to_string(name_or_path) {
+            None => match user_file::read_text(Path::new(name_or_path)) {
                 Ok(text) => Profile::parse(&text, name_or_path),
                 Err(error) => Err(ProfileError::unreadable(name_or_path, &error)),
             },

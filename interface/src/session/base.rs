@@ -5,15 +5,19 @@
 //! is half made, and the base can vanish with its last session. A lock dies
 //! with its holder: a process killed in here blocks nobody.
 
-use super::SessionError;
+use super::{
+    SessionError,
+    remains::{PREFIX_LENGTH, SHARED_MEMORY},
+};
 use rustix::{
-    fs::{FlockOperation, Mode, OFlags, flock, fstat, stat},
+    fs::{Access, FlockOperation, Mode, OFlags, access, flock, fstat, stat, statfs, statvfs},
     io::Errno,
 };
 use std::{
     fs,
     os::{
         fd::OwnedFd,
+        unix::ffi::OsStrExt,
         unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt},
     },
     path::{Path, PathBuf},
@@ -26,24 +30,106 @@ pub const BASE_VARIABLE: &str = "HYBRID_BASE";
 /// The base is held for milliseconds at a time; even fifty processes in a row need less.
 const LOCK_DEADLINE: Duration = Duration::from_secs(10);
 
-/// The base directory: `$HYBRID_BASE`, else `$XDG_RUNTIME_DIR/hybrid-computer`,
-/// else `/tmp/hybrid-computer-UID`.
+/// Longest path that the transport works with.
+const PATH_LIMIT: usize = 255;
+/// What follows base, `/` and name in the longest path that the transport forms, that of a
+/// connection (as if it lay in the session's directory): `.session/`, prefix, a hash of 40
+/// digits, `_`, a port of up to 39 digits, `_`, another, `.connection`.
+const BEHIND_NAME: usize = 9 + PREFIX_LENGTH + 40 + 1 + 39 + 1 + 39 + 11;
+/// Characters that the transport refuses in a path, besides control characters.
+pub(super) const FORBIDDEN: &str = "< > \" | ? *";
+/// Free space that a session asks for, in KiB: twice what one takes at most (936 KiB of
+/// shared memory while a patch of 3 MB is loaded; a flight takes 172).
+const ROOM_KIB: u64 = 2048;
+
+/// The base directory: `$HYBRID_BASE`, else `$XDG_RUNTIME_DIR/hybrid-computer`, else
+/// `/dev/shm/hybrid-computer-UID` if that is a tmpfs, else `/tmp/hybrid-computer-UID`.
+///
+/// The transport waits for the disk a dozen times a session, which a tmpfs does not have.
 #[must_use]
 pub fn base_directory() -> PathBuf {
     if let Some(base) = std::env::var_os(BASE_VARIABLE).filter(|v| !v.is_empty()) {
         return PathBuf::from(base);
     }
+    let user = rustix::process::getuid().as_raw();
     if let Some(runtime) = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from)
         && runtime.is_absolute()
-        && fs::metadata(&runtime)
-            .is_ok_and(|m| m.is_dir() && m.uid() == rustix::process::getuid().as_raw())
+        && fs::metadata(&runtime).is_ok_and(|m| m.is_dir() && m.uid() == user)
     {
         return runtime.join("hybrid-computer");
     }
-    PathBuf::from(format!(
-        "/tmp/hybrid-computer-{}",
-        rustix::process::getuid().as_raw()
-    ))
+    let parent = if is_writable_tmpfs(SHARED_MEMORY) {
+        SHARED_MEMORY
+    } else {
+        "/tmp"
+    };
+    Path::new(parent).join(format!("hybrid-computer-{user}"))
+}
+
+fn is_writable_tmpfs(path: &str) -> bool {
+    /// `TMPFS_MAGIC` of Linux.
+    const TMPFS: u64 = 0x0102_1994;
+    statfs(path).is_ok_and(|fs| u64::try_from(fs.f_type) == Ok(TMPFS))
+        && access(path, Access::WRITE_OK | Access::EXEC_OK).is_ok()
+}
+
+/// Refuses a base with whose path the transport could not work, before anything is made.
+pub(super) fn check_path(path: &Path, name_length: usize) -> Result<(), SessionError> {
+    let path = resolved(path);
+    let limit = PATH_LIMIT - BEHIND_NAME - 1 - name_length;
+    let bytes = path.as_os_str().as_bytes();
+    let fits =
+        |b: &u8| (b' '..=b'~').contains(b) && !FORBIDDEN.replace(' ', "").as_bytes().contains(b);
+    let reason = if bytes.len() > limit {
+        format!("its path has {} bytes", bytes.len())
+    } else if let Some(odd) = bytes.iter().position(|b| !fits(b)) {
+        let odd = String::from_utf8_lossy(&bytes[odd..]).chars().next();
+        format!("its path contains {:?}", odd.unwrap_or_default())
+    } else {
+        return Ok(());
+    };
+    Err(SessionError::BasePath {
+        path,
+        reason,
+        limit,
+    })
+}
+
+/// The path as the transport will see it: absolute, and links resolved as far as it exists.
+fn resolved(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let real = absolute.ancestors().find_map(|ancestor| {
+        let rest = absolute.strip_prefix(ancestor).ok()?;
+        let real = fs::canonicalize(ancestor).ok()?;
+        // Joining nothing would append a slash.
+        Some(if rest.as_os_str().is_empty() {
+            real
+        } else {
+            real.join(rest)
+        })
+    });
+    real.unwrap_or(absolute)
+}
+
+/// Refuses a place with too little free space for a session.
+///
+/// The transport touches pages that it has not allocated, and where there is none left the
+/// process is ended by a signal.
+pub(super) fn check_room(path: &Path) -> Result<(), SessionError> {
+    // A base that is yet to be made lies where its nearest ancestor does.
+    let Some(space) = path.ancestors().find_map(|p| statvfs(p).ok()) else {
+        return Ok(());
+    };
+    let found_kib = space.f_bavail.saturating_mul(space.f_frsize) / 1024;
+    // A tmpfs without a limit tells no blocks at all.
+    if space.f_blocks == 0 || found_kib >= ROOM_KIB {
+        return Ok(());
+    }
+    Err(SessionError::NoRoom {
+        path: path.to_owned(),
+        needed_kib: ROOM_KIB,
+        found_kib,
+    })
 }
 
 /// Exclusive hold of a base directory.

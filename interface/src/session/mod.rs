@@ -3,40 +3,40 @@
 //! A session is the directory `BASE/NAME.session`. In it each side holds an
 //! exclusive lock on a file of its own (`analog-proc.lock`, `digital-proc.lock`),
 //! which contains its pid. Whoever holds a lock is alive; a session in which
-//! nobody holds one is stale and is swept by the next process that starts. The
-//! last side to leave removes the directory and every shared-memory file with
-//! the session's prefix, so it does not matter which side survives.
+//! nobody holds one is stale and is swept by the next session that is made in
+//! the base. The last side to leave removes the directory and every
+//! shared-memory file with the session's prefix, so it does not matter which
+//! side survives.
 //!
-//! The prefix is a hash of the base and the name: a sweeper can compute it for
-//! a session of which nothing but the empty directory exists.
+//! The prefix is random and stands in the session's directory, which nobody else
+//! may read: who could guess it could make the transport's files first.
+//!
+//! Before anything is made, the base's path and the free space are checked: the
+//! transport ends the process by a panic or a signal where they do not suffice.
 
 mod base;
 mod partner;
+mod place;
 mod remains;
 
 pub use base::{BASE_VARIABLE, base_directory};
 pub use partner::Partner;
+pub(crate) use remains::SHARED_MEMORY;
 
 use crate::Side;
 use base::BaseLock;
 use partner::is_held;
-use remains::{
-    holder, infos, lock_path, prefix_of, remove_session, remove_shared_memory, root_of, sweep,
-};
-use rustix::{
-    fs::{FlockOperation, flock},
-    io::Errno,
-};
+use place::Place;
+use remains::{holder, infos, lock_path, make_prefix, prefix_of, remove_session, root_of, sweep};
 use std::{
-    fs::{self, File, OpenOptions},
-    io::{Seek, Write},
-    os::unix::fs::{DirBuilderExt, OpenOptionsExt},
+    fs,
+    os::unix::fs::DirBuilderExt,
     path::{Path, PathBuf},
     sync::Arc,
-    time::{Duration, SystemTime},
+    time::SystemTime,
 };
 
-/// Longest session name; keeps every path within the transport's 255 bytes.
+/// Longest session name. With it a base may have 43 bytes, more than any default base has.
 const NAME_LIMIT: usize = 48;
 
 /// Why a session cannot be had.
@@ -49,6 +49,26 @@ pub enum SessionError {
         path: PathBuf,
         /// What is wrong with it.
         reason: &'static str,
+    },
+    /// The transport cannot work with the base's path.
+    #[error("the base directory {} cannot be used: {reason}; set {BASE_VARIABLE} to a directory whose path has at most {limit} bytes, all of them printable ASCII other than {}", path.display(), base::FORBIDDEN)]
+    BasePath {
+        /// The directory, links resolved.
+        path: PathBuf,
+        /// What is wrong with its path.
+        reason: String,
+        /// Longest path for a session of this name.
+        limit: usize,
+    },
+    /// Too little free space: a full file system would end the process by a signal.
+    #[error("{} has {found_kib} KiB of free space, and a session needs {needed_kib} KiB; free some, or make the file system larger", path.display())]
+    NoRoom {
+        /// Where.
+        path: PathBuf,
+        /// KiB needed.
+        needed_kib: u64,
+        /// KiB found.
+        found_kib: u64,
     },
     /// The base stayed locked.
     #[error("the base directory {} stayed locked by another process", path.display())]
@@ -137,19 +157,6 @@ pub struct SessionInfo {
 #[derive(Clone, Debug)]
 pub struct Session(Arc<Place>);
 
-#[derive(Debug)]
-struct Place {
-    base: PathBuf,
-    name: String,
-    root: PathBuf,
-    prefix: String,
-    side: Side,
-    /// Whether the other side made the session, and so was there first.
-    joined: bool,
-    /// Held for as long as this side takes part.
-    lock: Option<File>,
-}
-
 impl Session {
     /// Creates a session in the user's base directory; without a name it gets a fresh one.
     ///
@@ -183,6 +190,9 @@ impl Session {
         if let Some(name) = name {
             check_name(name)?;
         }
+        base::check_path(base, name.map_or(FRESH_LENGTH, str::len))?;
+        base::check_room(Path::new(remains::SHARED_MEMORY))?;
+        base::check_room(base)?;
         let held = BaseLock::create(base)?;
         sweep(held.path());
         let name = name.map_or_else(|| fresh_name(held.path()), str::to_owned);
@@ -197,21 +207,17 @@ impl Session {
                 return Err(SessionError::io("creating the session", &root, e));
             }
         }
-        let prefix = prefix_of(held.path(), &name);
-        // A namesake's leavings, should its directory have been deleted by hand.
-        remove_shared_memory(&prefix);
-        let lock = take_place(&root, &name, side).inspect_err(|_| {
-            let _ = fs::remove_dir_all(&root);
-        })?;
-        Ok(Session(Arc::new(Place {
-            base: held.path().to_owned(),
-            name,
-            root,
-            prefix,
-            side,
-            joined: false,
-            lock: Some(lock),
-        })))
+        let made = make_prefix(&root)
+            .map_err(|e| SessionError::io("creating the session", &root, e))
+            .and_then(|prefix| Place::take(&held, name, prefix, side, false));
+        match made {
+            Ok(place) => Ok(Session(Arc::new(place))),
+            Err(error) => {
+                remove_session(&root);
+                held.release();
+                Err(error)
+            }
+        }
     }
 
     /// [`Session::join`] in a given base directory.
@@ -224,6 +230,7 @@ impl Session {
             name: name.to_owned(),
             known,
         };
+        base::check_path(base, name.len())?;
         let Some(held) = BaseLock::existing(base)? else {
             return Err(unknown(Vec::new()));
         };
@@ -232,27 +239,23 @@ impl Session {
             let known = infos(held.path()).into_iter().map(|i| i.name).collect();
             return Err(unknown(known));
         }
-        let prefix = prefix_of(held.path(), name);
+        let deserted = SessionError::Deserted {
+            name: name.to_owned(),
+            side: side.partner(),
+        };
         if !is_held(&lock_path(&root, side.partner())) {
             if !is_held(&lock_path(&root, side)) {
-                remove_session(&root, &prefix);
+                remove_session(&root);
                 held.release();
             }
-            return Err(SessionError::Deserted {
-                name: name.to_owned(),
-                side: side.partner(),
-            });
+            return Err(deserted);
         }
-        let lock = take_place(&root, name, side)?;
-        Ok(Session(Arc::new(Place {
-            base: held.path().to_owned(),
-            name: name.to_owned(),
-            root,
-            prefix,
-            side,
-            joined: true,
-            lock: Some(lock),
-        })))
+        // Whoever holds its lock has written the prefix before.
+        let prefix = prefix_of(&root).ok_or(deserted)?;
+        base::check_room(Path::new(remains::SHARED_MEMORY))?;
+        base::check_room(held.path())?;
+        let place = Place::take(&held, name.to_owned(), prefix, side, true)?;
+        Ok(Session(Arc::new(place)))
     }
 
     /// [`Session::list`] in a given base directory.
@@ -314,6 +317,17 @@ impl Session {
         &self.0.base
     }
 
+    /// Gives up this side's place now, even where clones of it live on.
+    pub fn leave(&self) {
+        self.0.leave();
+    }
+
+    /// Says that the partner has nothing of the session open any more, though it may
+    /// still hold its place: then this side, leaving first, removes all traces.
+    pub(crate) fn inherit(&self) {
+        self.0.inherit();
+    }
+
     /// A child just started to be the partner, which has not joined yet. The
     /// caller must not have reaped it.
     ///
@@ -344,20 +358,6 @@ impl Session {
     }
 }
 
-impl Drop for Place {
-    fn drop(&mut self) {
-        let held = BaseLock::existing(&self.base);
-        drop(self.lock.take());
-        // Without the base's lock nothing is removed: the next sweep will do it.
-        if let Ok(Some(held)) = held {
-            if !is_held(&lock_path(&self.root, self.side.partner())) {
-                remove_session(&self.root, &self.prefix);
-            }
-            held.release();
-        }
-    }
-}
-
 fn check_name(name: &str) -> Result<(), SessionError> {
     let fits = (1..=NAME_LIMIT).contains(&name.len());
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
@@ -370,6 +370,9 @@ fn check_name(name: &str) -> Result<(), SessionError> {
     }
 }
 
+/// Longest [`fresh_name`]: a pid of up to seven digits, `-`, six hexadecimal digits.
+const FRESH_LENGTH: usize = 14;
+
 /// A name that no session in the base has; the base is locked, so it stays free.
 fn fresh_name(base: &Path) -> String {
     let nanos = SystemTime::now()
@@ -379,37 +382,6 @@ fn fresh_name(base: &Path) -> String {
         .map(|n| format!("{}-{:06x}", std::process::id(), nanos.wrapping_add(n) >> 8))
         .find(|name| !root_of(base, name).exists())
         .unwrap_or_default()
-}
-
-fn take_place(root: &Path, name: &str, side: Side) -> Result<File, SessionError> {
-    let path = lock_path(root, side);
-    let fail = |e| SessionError::io("taking a place in the session", &path, e);
-    let mut file = OpenOptions::new()
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .mode(0o600)
-        .open(&path)
-        .map_err(fail)?;
-    // The partner's liveness check holds a shared lock for microseconds: try again.
-    let taken = (0..20).any(|attempt| {
-        if attempt > 0 {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        flock(&file, FlockOperation::NonBlockingLockExclusive) != Err(Errno::WOULDBLOCK)
-    });
-    if !taken {
-        return Err(SessionError::Taken {
-            name: name.to_owned(),
-            side,
-        });
-    }
-    file.set_len(0)
-        .and_then(|()| file.rewind())
-        .and_then(|()| writeln!(file, "{}", std::process::id()))
-        .map_err(fail)?;
-    Ok(file)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! A pidfd names one process for ever, so a reused pid is never taken for the
 //! partner. It is obtained either from a child that has not been reaped, or
 //! from a session's lock file while the lock is held. It becomes readable the
-//! moment the process ends, which is also how waits notice a death at once.
+//! moment the process ends.
 
 use crate::Side;
 use rustix::{
@@ -55,16 +55,11 @@ impl Partner {
         self.pid
     }
 
-    /// Waits until the process ends, at most `limit`; true when it has ended.
-    /// A signal ends the wait early.
+    /// Whether the process has ended.
     #[must_use]
-    pub fn ended_within(&self, limit: Duration) -> bool {
+    pub fn ended(&self) -> bool {
         let mut polled = [PollFd::new(&self.pidfd, PollFlags::IN)];
-        let limit = Timespec {
-            tv_sec: i64::try_from(limit.as_secs()).unwrap_or(i64::MAX),
-            tv_nsec: i64::from(limit.subsec_nanos()),
-        };
-        poll(&mut polled, Some(&limit)).is_ok_and(|ready| ready > 0)
+        poll(&mut polled, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)
     }
 
     /// Whether the process has given up its place in the session (it may live on).
@@ -85,17 +80,29 @@ impl Partner {
                 (_, Some(signal)) => format!("process {pid} was ended by signal {signal}"),
                 _ => format!("process {pid} ended"),
             },
-            _ if self.ended_within(Duration::ZERO) => format!("process {pid} ended"),
+            _ if self.ended() => format!("process {pid} ended"),
             _ => format!("process {pid} left the session"),
         }
+    }
+
+    /// Its line in /proc from the third field (its state) on: after its name, which may
+    /// hold spaces.
+    fn stat(&self) -> Option<String> {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.pid)).ok()?;
+        Some(stat.rsplit_once(") ")?.1.to_owned())
+    }
+
+    /// Whether a signal has stopped the process; a debugger does not count.
+    #[must_use]
+    pub fn stopped(&self) -> bool {
+        self.stat().is_some_and(|fields| fields.starts_with('T'))
     }
 
     /// CPU time that the process has used so far; `None` when it is gone.
     #[must_use]
     pub fn cpu_time(&self) -> Option<Duration> {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.pid)).ok()?;
-        // Fields 14 and 15 (user and system time), counted after the name, which may hold spaces.
-        let fields = stat.rsplit_once(") ")?.1;
+        // Fields 14 and 15: user and system time.
+        let fields = self.stat()?;
         let ticks: u64 = fields
             .split(' ')
             .skip(11)

@@ -2,22 +2,25 @@
 //!
 //! Everything here runs under the base's lock. It touches nothing whose name is
 //! not a session's: directories that end in `.session` and shared-memory files
-//! that begin with a session's prefix.
+//! that begin with a session's prefix. The prefix is written in the directory
+//! before there is any such file, and the directory goes after the last of them,
+//! so that whatever a killed process left can be found from the directory.
 
 use super::{SessionInfo, check_name, partner::is_held};
 use crate::Side;
-use sha2::{Digest, Sha256};
 use std::{
-    fs::{self, File},
-    io::Read,
-    os::unix::ffi::OsStrExt,
+    collections::hash_map::RandomState,
+    fs::{self, File, OpenOptions},
+    hash::BuildHasher,
+    io::{Read, Write},
+    os::unix::{ffi::OsStrExt, fs::OpenOptionsExt},
     path::{Path, PathBuf},
 };
 
 /// Marks our directories, so that a sweep touches nothing else.
 const SUFFIX: &str = ".session";
 /// Where POSIX shared memory lives on Linux.
-pub(super) const SHARED_MEMORY: &str = "/dev/shm";
+pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
 
 pub(super) fn root_of(base: &Path, name: &str) -> PathBuf {
     base.join(format!("{name}{SUFFIX}"))
@@ -27,19 +30,35 @@ pub(super) fn lock_path(root: &Path, side: Side) -> PathBuf {
     root.join(format!("{}.lock", side.name()))
 }
 
-/// Fixed length and closed by `_`, so that no prefix is the beginning of another.
-pub(super) fn prefix_of(base: &Path, name: &str) -> String {
-    let mut sha = Sha256::new();
-    sha.update(base.as_os_str().as_bytes());
-    sha.update([0]);
-    sha.update(name.as_bytes());
-    let hex: String = sha
-        .finalize()
-        .iter()
-        .take(8)
-        .map(|b| format!("{b:02x}"))
-        .collect();
-    format!("hybrid{hex}_")
+/// Bytes of a prefix: `hybrid`, 16 hexadecimal digits, `_`. Of fixed length and closed by
+/// `_`, so that no prefix is the beginning of another.
+pub(super) const PREFIX_LENGTH: usize = 23;
+
+fn prefix_path(root: &Path) -> PathBuf {
+    root.join("prefix")
+}
+
+/// Gives a fresh session its prefix: one that nobody can know beforehand, since
+/// everybody may make files where shared memory lives.
+pub(super) fn make_prefix(root: &Path) -> std::io::Result<String> {
+    // Keyed by the operating system's random numbers.
+    let random = RandomState::new().hash_one(std::process::id());
+    let prefix = format!("hybrid{random:016x}_");
+    OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .mode(0o600)
+        .open(prefix_path(root))?
+        .write_all(prefix.as_bytes())?;
+    Ok(prefix)
+}
+
+/// The prefix of a session; `None` where its maker was killed before it had one.
+pub(super) fn prefix_of(root: &Path) -> Option<String> {
+    let prefix = fs::read_to_string(prefix_path(root)).ok()?;
+    let digits = prefix.strip_prefix("hybrid")?.strip_suffix('_')?;
+    let ours = prefix.len() == PREFIX_LENGTH && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    ours.then_some(prefix)
 }
 
 /// Pid of the process that holds the lock file; `None` when nobody does.
@@ -90,21 +109,21 @@ pub(super) fn sweep(base: &Path) {
             .into_iter()
             .any(|side| is_held(&lock_path(&root, side)));
         if !alive {
-            remove_session(&root, &prefix_of(base, &name));
+            remove_session(&root);
         }
     }
 }
 
-pub(super) fn remove_session(root: &Path, prefix: &str) {
-    remove_shared_memory(prefix);
+/// Removes a session's shared memory, then its directory.
+pub(super) fn remove_session(root: &Path) {
+    if let Some(prefix) = prefix_of(root) {
+        let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+        for entry in entries {
+            if entry.file_name().as_bytes().starts_with(prefix.as_bytes()) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+    // Unfindable without its prefix, the shared memory must be gone first.
     let _ = fs::remove_dir_all(root);
-}
-
-pub(super) fn remove_shared_memory(prefix: &str) {
-    let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
-    for entry in entries {
-        if entry.file_name().as_bytes().starts_with(prefix.as_bytes()) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
 }

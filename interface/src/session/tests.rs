@@ -83,8 +83,12 @@ fn stale_and_half_made_sessions_are_swept() {
         std::process::id().to_string(),
     )
     .unwrap();
-    let leak = Path::new(SHARED_MEMORY).join(format!("{}leak", prefix_of(&path, "dead")));
-    fs::write(&leak, "x").unwrap();
+    let leak = |root: &Path| {
+        let leak = Path::new(SHARED_MEMORY).join(format!("{}leak", make_prefix(root).unwrap()));
+        fs::write(&leak, "x").unwrap();
+        leak
+    };
+    let first = leak(&dead);
     let foreign = path.join("foreign");
     fs::create_dir(&foreign).unwrap();
     assert!(matches!(
@@ -94,12 +98,12 @@ fn stale_and_half_made_sessions_are_swept() {
             ..
         })
     ));
-    assert!(!dead.exists() && !leak.exists());
+    assert!(!dead.exists() && !first.exists());
     fs::create_dir(&dead).unwrap();
-    fs::write(&leak, "x").unwrap();
+    let second = leak(&dead);
     assert!(Session::list_in(&path).unwrap().is_empty());
     let session = Session::create_in(&path, Side::Digital, Some("new")).unwrap();
-    assert!(!dead.exists() && !leak.exists() && !root_of(&path, "half").exists());
+    assert!(!dead.exists() && !second.exists() && !root_of(&path, "half").exists());
     drop(session);
     assert!(foreign.exists());
 }
@@ -143,4 +147,66 @@ fn fifty_threads_create_and_leave_without_disturbing_each_other() {
         }
     });
     assert!(!inner.exists());
+}
+
+#[test]
+fn a_base_path_is_used_up_to_its_limit_and_refused_beyond() {
+    let dir = base();
+    let inside = |length: usize| {
+        let room = length - dir.path().as_os_str().len() - 1;
+        dir.path().join("x".repeat(room))
+    };
+    for (name, limit) in [
+        (None, 77),
+        (Some("x".repeat(48)), 43),
+        (Some("a".into()), 90),
+    ] {
+        let name = name.as_deref();
+        let digital = Session::create_in(&inside(limit), Side::Digital, name).unwrap();
+        drop(digital);
+        let long = inside(limit + 1);
+        let error = Session::create_in(&long, Side::Digital, name).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.contains(&format!("has {} bytes", limit + 1))
+                && text.contains(&format!("at most {limit} bytes"))
+                && text.contains(BASE_VARIABLE),
+            "{text}"
+        );
+        assert!(!long.exists());
+    }
+    for odd in ["é", "a\tb", "a*", "a?b", "\"a\"", "a|b", "<a>"] {
+        let path = dir.path().join(odd);
+        let error = Session::create_in(&path, Side::Digital, None).unwrap_err();
+        assert!(matches!(error, SessionError::BasePath { .. }), "{error}");
+        assert!(!path.exists());
+    }
+    let plain = dir.path().join("A b,c;d!#%&'()+=@[]^`{}~$:-_.");
+    drop(Session::create_in(&plain, Side::Digital, None).unwrap());
+}
+
+#[test]
+fn prefixes_cannot_be_known_beforehand() {
+    let base = base();
+    let prefix = || {
+        let session = Session::create_in(base.path(), Side::Analog, Some("lab")).unwrap();
+        let prefix = session.prefix().to_owned();
+        assert_eq!(prefix.len(), remains::PREFIX_LENGTH);
+        prefix
+    };
+    assert_ne!(prefix(), prefix());
+}
+
+#[test]
+fn a_namesake_that_followed_is_left_alone() {
+    let base = base();
+    let digital = Session::create_in(base.path(), Side::Digital, Some("one")).unwrap();
+    let analog = Session::join_in(base.path(), Side::Analog, "one").unwrap();
+    // The digital side has closed its end; the analog one, leaving first, removes all.
+    analog.inherit();
+    drop(analog);
+    assert!(!digital.root().exists());
+    let namesake = Session::create_in(base.path(), Side::Digital, Some("one")).unwrap();
+    drop(digital);
+    assert!(namesake.root().exists());
 }

@@ -19,6 +19,8 @@ use std::{
 
 const BASE: &str = "LINK_TEST_BASE";
 const NAME: &str = "LINK_TEST_NAME";
+/// Bytes; beyond them the partner dies.
+const LONGEST_FILE: &str = "LINK_TEST_LONGEST_FILE";
 /// Within this time either side must have noticed the other's death.
 const NOTICE: Duration = Duration::from_secs(1);
 
@@ -27,6 +29,10 @@ struct Role(Child);
 
 impl Role {
     fn start(role: &str, base: &Path, name: &str) -> Role {
+        Role::start_with(role, base, name, None)
+    }
+
+    fn start_with(role: &str, base: &Path, name: &str, longest_file: Option<u64>) -> Role {
         let child = Command::new(std::env::current_exe().unwrap())
             .args([
                 "--exact",
@@ -36,6 +42,7 @@ impl Role {
             ])
             .env(BASE, base)
             .env(NAME, name)
+            .envs(longest_file.map(|bytes| (LONGEST_FILE, bytes.to_string())))
             .stdout(Stdio::null())
             .stderr(Stdio::inherit())
             .spawn()
@@ -78,6 +85,20 @@ fn analog_life(port: &mut impl AnalogPort) -> Result<(), LinkFault> {
     Ok(())
 }
 
+/// Ends this process by a signal when it makes a file longer than told.
+fn limit_files() {
+    use rustix::process::{Resource, Rlimit, setrlimit};
+    let Ok(limit) = std::env::var(LONGEST_FILE) else {
+        return;
+    };
+    let to = |bytes| Rlimit {
+        current: Some(bytes),
+        maximum: Some(bytes),
+    };
+    setrlimit(Resource::Core, to(0)).unwrap();
+    setrlimit(Resource::Fsize, to(limit.parse().unwrap())).unwrap();
+}
+
 /// The analog side of most tests here.
 #[test]
 #[ignore = "a role that other tests start as a process"]
@@ -88,6 +109,7 @@ fn partner() {
         Err(SessionError::Deserted { .. } | SessionError::Unknown { .. }) => return,
         Err(error) => panic!("{error}"),
     };
+    limit_files();
     let life = ShmAnalog::open(&session, None, &patience()).and_then(|mut p| analog_life(&mut p));
     drop(session);
     match life {
@@ -289,6 +311,16 @@ fn the_child_survives_its_launcher_and_cleans_up() {
     }
 }
 
+/// Whether every thread of a process has stopped.
+fn stopped(pid: u32) -> bool {
+    let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
+    threads.flatten().all(|thread| {
+        let stat = std::fs::read_to_string(thread.path().join("stat")).unwrap_or_default();
+        stat.rsplit_once(") ")
+            .is_some_and(|(_, rest)| rest.starts_with('T'))
+    })
+}
+
 #[test]
 fn a_stopped_partner_meets_the_deadline() {
     let dir = tempfile::tempdir().unwrap();
@@ -303,6 +335,10 @@ fn a_stopped_partner_meets_the_deadline() {
     let mut port = ShmDigital::open(&session, Some(child.pid()), &impatient).unwrap();
     port.request(&Request::StaticCheck).unwrap();
     child.signal(rustix::process::Signal::STOP);
+    // The signal takes effect when the process is scheduled; an answer may be faster.
+    while !stopped(child.pid()) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
     let start = Instant::now();
     let fault = port.request(&Request::Diagnose).unwrap_err();
     assert!(
@@ -351,5 +387,151 @@ fn sessions_side_by_side_do_not_disturb_each_other() {
             scope.spawn(move || fly(base, 50));
         }
     });
+    assert!(!base.exists());
+}
+
+#[test]
+fn a_partner_that_dies_between_making_and_filling_a_file_holds_up_nobody() {
+    // The connections and data of an analog side have 9,958 bytes to 178 KB; each limit lets
+    // another one fail at the moment that it has a name and no length.
+    for longest in [5_000, 50_000, 90_000, 150_000] {
+        for _ in 0..3 {
+            let dir = tempfile::tempdir().unwrap();
+            let base = dir.path().join("base");
+            let session = Session::create_in(&base, Side::Digital, None).unwrap();
+            let prefix = session.prefix().to_owned();
+            let mut child = Role::start_with("partner", &base, session.name(), Some(longest));
+            let started = Instant::now();
+            let opened = ShmDigital::open(&session, Some(child.pid()), &patience())
+                .and_then(|mut port| digital_life_or_fault(&mut port));
+            // Start-up included.
+            let took = started.elapsed();
+            let ended = child.0.wait().unwrap();
+            let fault = opened.unwrap_err().to_string();
+            assert!(
+                fault.starts_with("analog-proc is gone (last frame "),
+                "{longest}: {fault}"
+            );
+            assert!(!ended.success() && took < 3 * NOTICE, "{longest}: {took:?}");
+            drop((session, child));
+            assert_nothing_left(&base, &prefix);
+        }
+    }
+}
+
+/// An analog side that waits for somebody to join.
+#[test]
+#[ignore = "a role that other tests start as a process"]
+fn server() {
+    let Some((base, name)) = told() else { return };
+    let session = Session::create_in(&base, Side::Analog, Some(&name)).unwrap();
+    let _ = ShmAnalog::open(&session, None, &patience());
+}
+
+/// Shared-memory files of a session that end like this.
+fn shared(prefix: &str, end: &str) -> Vec<std::path::PathBuf> {
+    let files = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let named = files.filter(|e| {
+        let name = e.file_name().into_string().unwrap();
+        name.starts_with(prefix) && name.ends_with(end)
+    });
+    named.map(|e| e.path()).collect()
+}
+
+#[test]
+fn a_half_made_service_holds_up_nobody() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    let server = Role::start("server", &base, "lab");
+    let started = Instant::now();
+    let prefix = loop {
+        assert!(started.elapsed() < Duration::from_secs(10));
+        std::thread::sleep(Duration::from_millis(5));
+        let Ok(prefix) = std::fs::read_to_string(base.join("lab.session/prefix")) else {
+            continue;
+        };
+        // The control service is the last; its data follow.
+        if shared(&prefix, ".dynamic").len() == 3 && shared(&prefix, "__0.data").len() == 1 {
+            break prefix;
+        }
+    };
+    // What a process leaves that is killed between making and filling: a name without bytes.
+    // The server keeps its own mapping.
+    for file in shared(&prefix, ".dynamic") {
+        std::fs::remove_file(&file).unwrap();
+        std::fs::write(&file, "").unwrap();
+    }
+    let hasty = Patience {
+        arrival: Some(Duration::from_millis(300)),
+        ..patience()
+    };
+    let join = || Session::join_in(&base, Side::Digital, "lab").unwrap();
+    let started = Instant::now();
+    let fault = ShmDigital::open(&join(), None, &hasty).unwrap_err();
+    assert!(matches!(fault, LinkFault::Transport { .. }), "{fault}");
+    assert!(started.elapsed() < 3 * NOTICE);
+
+    let session = join();
+    let killer = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(100));
+        drop(server);
+        Instant::now()
+    });
+    let fault = ShmDigital::open(&session, None, &patience()).unwrap_err();
+    let noticed = killer.join().unwrap().elapsed();
+    assert!(
+        matches!(
+            fault,
+            LinkFault::PartnerDied {
+                side: "analog-proc",
+                ..
+            }
+        ),
+        "{fault}"
+    );
+    assert!(noticed < 3 * NOTICE, "{noticed:?}");
+    assert_nothing_left(&base, &prefix);
+}
+
+#[test]
+fn all_shared_memory_is_private() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    let session = Session::create_in(&base, Side::Digital, None).unwrap();
+    let child = Role::start("partner", &base, session.name());
+    let mut port = ShmDigital::open(&session, Some(child.pid()), &patience()).unwrap();
+    port.request(&Request::StaticCheck).unwrap();
+    let mut files = 0;
+    for entry in std::fs::read_dir("/dev/shm").unwrap().flatten() {
+        if entry
+            .file_name()
+            .to_string_lossy()
+            .starts_with(session.prefix())
+        {
+            let mode = entry.metadata().unwrap().permissions().mode();
+            assert_eq!(mode & 0o077, 0, "{:?} has mode {mode:o}", entry.file_name());
+            files += 1;
+        }
+    }
+    assert!(files > 5, "{files} files of the session were found");
+    port.request(&Request::Bye).unwrap();
+}
+
+#[test]
+fn a_base_at_the_limit_of_its_length_works() {
+    let dir = tempfile::tempdir().unwrap();
+    // With a name of 48 characters a base may have 43: see the tests of the session.
+    let room = 43 - dir.path().as_os_str().len() - 1;
+    let base = dir.path().join("x".repeat(room));
+    let name = "n".repeat(48);
+    let session = Session::create_in(&base, Side::Digital, Some(&name)).unwrap();
+    let child = Role::start("partner", &base, session.name());
+    let mut port = ShmDigital::open(&session, Some(child.pid()), &patience()).unwrap();
+    digital_life(&mut port, 10).unwrap();
+    drop(port);
+    let mut child = child;
+    assert!(child.0.wait().unwrap().success());
+    drop(session);
     assert!(!base.exists());
 }

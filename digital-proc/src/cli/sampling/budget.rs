@@ -15,6 +15,7 @@ use crate::{
     },
 };
 use interface::{Tick, profile::Profile};
+use nalgebra::ComplexField;
 use std::path::PathBuf;
 
 /// Theory and a run with ideal resolution may differ by this, degrees and relative gain.
@@ -238,10 +239,10 @@ impl Measure for Budget {
         let exact = all.chain(&route).transfer(omega);
         if all.adc_bits.is_none() && all.dac_bits.is_none() {
             let phase =
-                crate::sampling::identify::angle_difference_rad(whole.phase_rad, exact.arg())
+                crate::sampling::identify::angle_difference_rad(whole.phase_rad, exact.argument())
                     .to_degrees()
                     .abs();
-            let gain = (whole.gain / exact.norm() - 1.0).abs();
+            let gain = (whole.gain / exact.modulus() - 1.0).abs();
             outcome.check(
                 phase < LIMIT_DEG && gain < LIMIT_GAIN,
                 format!(
@@ -278,13 +279,14 @@ impl Budget {
             }
         };
         let grid = |count: u32| {
-            (0..count).map(move |i| rate * 0.01 * 45_f64.powf(f64::from(i) / f64::from(count - 1)))
+            (0..count)
+                .map(move |i| rate * 0.01 * libm::pow(45.0, f64::from(i) / f64::from(count - 1)))
         };
         let line: Vec<f64> = grid(80).collect();
-        let line_gain: Vec<f64> = line.iter().map(|f| fundamental(*f).norm()).collect();
+        let line_gain: Vec<f64> = line.iter().map(|f| fundamental(*f).modulus()).collect();
         let mut line_phase: Vec<f64> = line
             .iter()
-            .map(|f| fundamental(*f).arg().to_degrees())
+            .map(|f| fundamental(*f).argument().to_degrees())
             .collect();
         turns(&mut line_phase);
         let (mut hz, mut gain, mut phase) = (Vec::new(), Vec::new(), Vec::new());

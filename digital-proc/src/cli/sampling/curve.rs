@@ -8,7 +8,7 @@ pub const ROOT_LIMIT: f64 = 1e-4;
 /// `count` values from `low` to `high` in equal ratios.
 pub fn ratios(low: f64, high: f64, count: u32) -> impl Iterator<Item = f64> {
     let last = f64::from(count.max(2) - 1);
-    (0..count.max(2)).map(move |i| low * (high / low).powf(f64::from(i) / last))
+    (0..count.max(2)).map(move |i| low * libm::pow(high / low, f64::from(i) / last))
 }
 
 /// First and last, or the one.

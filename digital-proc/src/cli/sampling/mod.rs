@@ -130,6 +130,8 @@ enum Experiment {
     ///     patch = "servo.toml"            # beside this file
     ///     stop = "20s"
     ///     measure = "x_adc"               # the ADC whose record is judged
+    ///     from = "0.5s"                   # what of it, if not all of the run
+    ///     until = "10s"
     ///
     ///     [params]                        # values for the patch's [params]
     ///     wn = 3.0
@@ -147,6 +149,11 @@ enum Experiment {
     ///
     /// Other kinds, each with one `input` and one `output`: `difference-equation` (`numerator`,
     /// `denominator`), `delay` (`frames`, `gain`), `table` (`x`, `y`). A fault names file and line.
+    ///
+    /// The record must be a free decay, or a step response after the last change of the reference:
+    /// state `from`. The column `fit` is what the modes found leave of it (rms over rms); where that
+    /// is more than a linear loop and its converters leave, no damping is told, and a remark says why.
+    /// A case that saturates is judged from there on.
     #[command(verbatim_doc_comment)]
     Loop(Lab<study::Loop>),
 }

@@ -1,6 +1,6 @@
 //! What an experiment came to, and how it leaves the program: terminal, CSV, report, JSON.
 
-use super::super::{Failure, MachineArgs, failure::CHECK_FAILED};
+use super::super::{Failure, MachineArgs};
 use crate::{
     report::{
         Cell, Numbering, Section, Table, page,
@@ -9,6 +9,7 @@ use crate::{
     },
     run_dir::{PatchIdentity, RunDirectory, RunRecord, Seed, UtcSecond},
 };
+use interface::{command_line::CHECK_FAILED, say};
 use maud::html;
 use std::{collections::BTreeMap, path::Path};
 
@@ -52,6 +53,8 @@ pub struct Outcome {
     pub tables: Vec<Titled>,
     pub figures: Vec<Figure>,
     pub checks: Vec<Check>,
+    /// What the tables' own remarks mean.
+    pub remarks: Vec<String>,
     /// What was measured but not judged.
     pub not_judged: Vec<String>,
     /// Converters and coefficients that reached the end of their range, by name.
@@ -76,6 +79,7 @@ impl Outcome {
             tables: Vec::new(),
             figures: Vec::new(),
             checks: Vec::new(),
+            remarks: Vec::new(),
             not_judged: Vec::new(),
             saturated: Vec::new(),
             parameters: toml::Table::new(),
@@ -127,7 +131,7 @@ impl Outcome {
         patch_hash: String,
     ) -> Result<(), Failure> {
         let command = format!("sampling-{}", self.name);
-        let directory = RunDirectory::create(out, &command, started).map_err(Failure::input)?;
+        let directory = RunDirectory::create(out, &command, started)?;
         let link = machine.join.link_name();
         let record = RunRecord {
             patch: Some(PatchIdentity {
@@ -138,36 +142,32 @@ impl Outcome {
             parameters: self.parameters.clone(),
             ..RunRecord::begin(format!("sampling {}", self.name), started, profile, link)
         };
-        directory.write_record(&record).map_err(Failure::input)?;
+        directory.write_record(&record)?;
         for titled in &self.tables {
             let csv = csv(&titled.table).map_err(Failure::input)?;
-            directory
-                .write_file(&format!("{}.csv", titled.name), &csv)
-                .map_err(Failure::input)?;
+            directory.write_file(&format!("{}.csv", titled.name), &csv)?;
         }
         let json = self.json();
-        directory.write_summary(&json).map_err(Failure::input)?;
-        let report = directory
-            .write_report(&self.html(&record))
-            .map_err(Failure::input)?;
+        directory.write_summary(&json)?;
+        let report = directory.write_report(&self.html(&record))?;
         if machine.json {
-            println!("{json:#}");
+            say!("{json:#}");
         } else {
-            println!("{}", self.title);
+            say!("{}", self.title);
             for titled in &self.tables {
-                println!("\n{}\n{}", titled.caption, titled.table.text().trim_end());
+                say!("\n{}\n{}", titled.caption, titled.table.text().trim_end());
             }
             if !self.checks.is_empty() {
-                println!();
+                say!();
             }
             for check in &self.checks {
                 let verdict = if check.holds { "holds" } else { "FAILS" };
-                println!("{verdict}: {}", check.statement);
+                say!("{verdict}: {}", check.statement);
             }
-            for remark in self.not_judged.iter().chain(&self.saturation_remark()) {
-                println!("{remark}");
+            for remark in self.all_remarks() {
+                say!("{remark}");
             }
-            println!("report: {}", report.display());
+            say!("report: {}", report.display());
         }
         let failed: Vec<&str> = self
             .checks
@@ -201,8 +201,11 @@ impl Outcome {
             .collect();
     }
 
-    fn saturation_remark(&self) -> Option<String> {
-        (!self.saturated.is_empty()).then(|| format!("saturated: {}", self.saturated.join(", ")))
+    fn all_remarks(&self) -> Vec<String> {
+        let saturated = (!self.saturated.is_empty())
+            .then(|| format!("saturated: {}", self.saturated.join(", ")));
+        let own = self.remarks.iter().chain(&self.not_judged).cloned();
+        own.chain(saturated).collect()
     }
 
     fn json(&self) -> serde_json::Value {
@@ -216,7 +219,7 @@ impl Outcome {
             .iter()
             .map(|c| serde_json::json!({ "statement": c.statement, "holds": c.holds }))
             .collect();
-        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks, "not_judged": self.not_judged, "saturated": self.saturated })
+        serde_json::json!({ "title": self.title, "tables": tables, "checks": checks, "remarks": self.remarks, "not_judged": self.not_judged, "saturated": self.saturated })
     }
 
     fn html(&self, record: &RunRecord) -> String {
@@ -243,12 +246,7 @@ impl Outcome {
         if !self.checks.is_empty() {
             sections.push(Section::new("Checks", checks));
         }
-        let remarks: Vec<String> = self
-            .not_judged
-            .iter()
-            .cloned()
-            .chain(self.saturation_remark())
-            .collect();
+        let remarks = self.all_remarks();
         if !remarks.is_empty() {
             let list = html! { ul { @for remark in &remarks { li { (remark) } } } };
             sections.push(Section::new("Remarks", list));
@@ -273,7 +271,7 @@ fn csv(table: &Table) -> Result<Vec<u8>, csv::Error> {
         let cell = |i: usize| match row.get(i) {
             Some(Cell::Number(value)) => value.to_string(),
             Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
-            None => String::new(),
+            Some(Cell::Missing) | None => String::new(),
         };
         writer.write_record((0..table.headings.len()).map(cell))?;
     }

@@ -12,7 +12,7 @@ use crate::{
     },
     sampling::{
         bench::{Bench, BenchFault},
-        loop_study::{self, LoopRow},
+        loop_study::{self, LoopRow, Remark},
     },
 };
 use std::path::PathBuf;
@@ -46,8 +46,9 @@ impl Measure for Loop {
             Heading::new("omega", "rad/s"),
             Heading::new("growth per cycle", "").digits(5),
             Heading::new("last tenth / first tenth", "").digits(3),
+            Heading::new("fit", "").digits(2),
+            Heading::new("remark", ""),
         ]);
-        let number = |v: Option<f64>| v.map_or_else(|| Cell::from("-"), Cell::from);
         let mut rows: Vec<LoopRow> = Vec::new();
         let mut progress = Progress::new(study.cases.len() as u64, "cases");
         for case in &study.cases {
@@ -60,21 +61,29 @@ impl Measure for Loop {
                     ) => Failure::input(study.case_fault(case, &fault)),
                     other => other.into(),
                 })?;
+            let remarks: Vec<String> = row.remarks.iter().map(ToString::to_string).collect();
             table.row([
                 row.frame_s.into(),
                 row.latency_s.into(),
                 row.bits
                     .map_or_else(|| Cell::from("ideal"), |b| f64::from(b).into()),
-                number(row.zeta),
-                number(row.omega_rad_s),
-                number(row.growth_per_cycle),
+                row.zeta.into(),
+                row.omega_rad_s.into(),
+                row.growth_per_cycle.into(),
                 row.last_over_first.into(),
+                row.fit.into(),
+                remarks.join("; ").into(),
             ]);
+            for explanation in row.remarks.iter().filter_map(Remark::explanation) {
+                if !outcome.remarks.contains(&explanation) {
+                    outcome.remarks.push(explanation);
+                }
+            }
             rows.push(row);
             progress.at(rows.len() as u64);
         }
         progress.done();
-        outcome.table("loop", "Least damped oscillatory mode of each case.", table);
+        outcome.table("loop", "Least damped oscillatory mode of each case; fit is what the modes leave of the record.", table);
         let mut kinds: Vec<(f64, Option<u32>)> = Vec::new();
         for row in &rows {
             let kind = (share(row), row.bits);
@@ -99,7 +108,7 @@ impl Measure for Loop {
         };
         outcome.chart(
             "damping",
-            "Damping ratio of the least damped oscillatory mode; below zero the loop is unstable.",
+            "Damping ratio of the least damped oscillatory mode; below zero the loop is unstable. Cases without a value are left out.",
             LineChart::new(
                 "Damping",
                 Axis::new("frame", "ms"),

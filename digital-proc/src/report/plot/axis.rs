@@ -60,7 +60,7 @@ impl Axis {
         let value = drawable(value)?;
         match self.scale {
             Scale::Linear => Some(value),
-            Scale::Log => (value >= 1e-150).then(|| value.log10()),
+            Scale::Log => (value >= 1e-150).then(|| libm::log10(value)),
         }
     }
 
@@ -119,10 +119,10 @@ impl Axis {
         let exponent = if (1e-2..1e5).contains(&largest) {
             0
         } else {
-            3 * (largest.log10() / 3.0).floor() as i32
+            3 * (libm::log10(largest) / 3.0).floor() as i32
         };
         let unit_step = step / 10f64.powi(exponent);
-        let decimals = (-(unit_step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize;
+        let decimals = (-(libm::log10(unit_step) + 1e-9).floor()).clamp(0.0, 12.0) as usize;
         let labels = ticks
             .iter()
             .map(|tick| {
@@ -165,14 +165,14 @@ impl Axis {
         for decade in decades {
             if stride == 1 {
                 for factor in between {
-                    let at = f64::from(decade) + factor.log10();
+                    let at = f64::from(decade) + libm::log10(*factor);
                     if inside(&at) {
                         ticks.push(at);
                         labels.push(decade_label(decade, *factor));
                     }
                 }
                 for factor in 2..10 {
-                    let at = f64::from(decade) + f64::from(factor).log10();
+                    let at = f64::from(decade) + libm::log10(f64::from(factor));
                     if inside(&at) {
                         minor.push(at);
                     }
@@ -269,7 +269,7 @@ impl ValueFormatter<f64> for FittedAxis {
 
 /// The least of 1, 2, 5 times a power of ten that is not below `raw`.
 fn nice_step(raw: f64) -> f64 {
-    let power = 10f64.powf(raw.log10().floor());
+    let power = libm::pow(10.0, libm::log10(raw).floor());
     let factor = [1.0, 2.0, 5.0]
         .into_iter()
         .find(|factor| factor * power >= raw * (1.0 - 1e-9))

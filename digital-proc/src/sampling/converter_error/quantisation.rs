@@ -65,7 +65,7 @@ impl QuantisationLaw {
     pub fn step(&mut self, _frame: u64, adc: &[f64], updates: &mut Updates) {
         let at = |i: usize| adc.get(i).copied().unwrap_or(f64::NAN);
         if let Some(sent) = self.sent {
-            let decay = (-self.setting.corner_rad_s * self.setting.frame_s).exp();
+            let decay = libm::exp(-self.setting.corner_rad_s * self.setting.frame_s);
             self.exact_integral += sent * self.setting.frame_s;
             self.exact_lag = decay * self.exact_lag + (1.0 - decay) * sent;
             self.direct.push(at(0) - sent);

@@ -55,7 +55,7 @@ impl SkewLaw {
         let at = |i: usize| adc.get(i).copied().unwrap_or(f64::NAN);
         let theta = self.setting.omega_rad_s * (frame as f64 * self.setting.frame_s);
         self.errors
-            .push(angle_difference_rad(at(0).atan2(at(1)), theta));
+            .push(angle_difference_rad(libm::atan2(at(0), at(1)), theta));
         self.theory.push(noise::resolver_skew_error_rad(
             self.setting.omega_rad_s,
             self.setting.skew_s,

@@ -5,6 +5,8 @@
 //! patch = "servo.toml"            # beside this file
 //! stop = "20s"
 //! measure = "x_adc"               # ADC whose record is identified
+//! from = "0.5s"                   # the record's window, if it is not all of the run
+//! until = "10s"
 //!
 //! [params]                        # values for the patch's [params]
 //! wn = 3.0
@@ -25,10 +27,14 @@
 //! names the file and the line; all that can be judged without the patch are reported at once.
 
 mod law_text;
+mod remark;
 mod row;
+mod swing;
 mod text;
 
-pub use row::LoopRow;
+pub use remark::Remark;
+pub use row::{LoopRow, Saturated, WORST_FIT};
+pub use swing::Swing;
 pub use text::{load, parse};
 
 use super::loop_law::{Element, LoopLaw};
@@ -64,6 +70,10 @@ pub struct LoopStudy {
     pub params: Vec<(String, f64)>,
     /// End of each run.
     pub stop: Tick,
+    /// Start of the record that is judged.
+    pub from: Tick,
+    /// Its end.
+    pub until: Tick,
     /// The cases, frame by frame, latency by latency, bits by bits.
     pub cases: Vec<LoopCase>,
     measure: Named,
@@ -227,7 +237,7 @@ denominator = [1.0]
                 &[1.0, 0.0],
             );
             machine.run(&setting.plan().unwrap(), |n, adc, up| law.step(n, adc, up));
-            let row = case.row(&law).unwrap();
+            let row = study.row(case, &law, &Saturated::default()).unwrap();
             let exact = damping_ratio(setting.theory().exact_root().unwrap());
             // As in the root experiment; the first frames, in which the equation's memory fills from
             // zero, add modes that the pencil tells apart.

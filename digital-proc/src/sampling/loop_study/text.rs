@@ -17,6 +17,8 @@ struct Raw {
     title: Option<String>,
     patch: Spanned<String>,
     stop: Spanned<String>,
+    from: Option<Spanned<String>>,
+    until: Option<Spanned<String>>,
     measure: Spanned<String>,
     #[serde(default)]
     params: BTreeMap<String, Spanned<f64>>,
@@ -92,6 +94,7 @@ pub fn parse(file: &str, text: &str) -> Result<LoopStudy, FileFaults> {
         list: Vec::new(),
     };
     let stop = faults.duration(&raw.stop).unwrap_or(Tick::ZERO);
+    let (from, until) = window(&raw, stop, &mut faults);
     let cases = cases(&raw.sweep, &mut faults);
     if raw.law.is_empty() {
         faults.add(
@@ -134,6 +137,8 @@ pub fn parse(file: &str, text: &str) -> Result<LoopStudy, FileFaults> {
                 .map(|(name, value)| (name, value.into_inner()))
                 .collect(),
             stop,
+            from,
+            until,
             cases,
             measure: named(&raw.measure),
             laws,
@@ -141,6 +146,25 @@ pub fn parse(file: &str, text: &str) -> Result<LoopStudy, FileFaults> {
             text: text.to_owned(),
         },
     )
+}
+
+/// Start and end of the record that is judged; all of the run where they are not stated.
+fn window(raw: &Raw, stop: Tick, faults: &mut Faults<'_>) -> (Tick, Tick) {
+    let mut stated = |at: &Option<Spanned<String>>, default: Tick| {
+        at.as_ref()
+            .and_then(|text| faults.duration(text))
+            .unwrap_or(default)
+    };
+    let (from, until) = (stated(&raw.from, Tick::ZERO), stated(&raw.until, stop));
+    let place = raw.from.as_ref().or(raw.until.as_ref());
+    if let Some(place) = place
+        && stop > Tick::ZERO
+        && !(from < until && until <= stop)
+    {
+        let fault = format!("a record from {from} until {until} of a run to {stop}");
+        faults.add(place.span(), fault, "give from < until <= stop");
+    }
+    (from, until)
 }
 
 fn cases(sweep: &RawSweep, faults: &mut Faults<'_>) -> Vec<LoopCase> {

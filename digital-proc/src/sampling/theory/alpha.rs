@@ -38,7 +38,7 @@
 //! K = 0.5; with Euler or a rate held over the frame it lags by half a frame, and the shift at
 //! K = 0.2 is three times too large.
 
-use super::{C64, TheoryError, frame_and_latency, in_range, period_map::PeriodMap};
+use super::{C64, TheoryError, frame_and_latency, in_range, period_map::PeriodMap, phasor};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +62,12 @@ impl Rotation {
     pub fn continuous_root(&self) -> C64 {
         let half = (self.force_slope + self.rate_damping) / 2.0;
         let stiffness = self.moment_slope + self.force_slope * self.rate_damping;
-        C64::new(-half, 0.0) + C64::new(half * half - stiffness, 0.0).sqrt()
+        let discriminant = half * half - stiffness;
+        if discriminant < 0.0 {
+            C64::new(-half, (-discriminant).sqrt())
+        } else {
+            C64::new(-half + discriminant.sqrt(), 0.0)
+        }
     }
 
     /// First-order shift for an angle that reaches the tables τ_e late:
@@ -280,7 +285,7 @@ pub fn drift_error(drift_rad_s: f64, slow_s: f64, gain: f64) -> f64 {
 #[must_use]
 pub fn unmatched_error(gain: f64, x: f64) -> C64 {
     let one = C64::new(1.0, 0.0);
-    (C64::from_polar(1.0, -x) - one) * gain / (C64::from_polar(1.0, x) - one + gain)
+    (phasor(-x) - one) * gain / (phasor(x) - one + gain)
 }
 
 #[cfg(test)]

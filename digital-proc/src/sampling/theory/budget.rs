@@ -8,6 +8,7 @@
 //! (it is 1 − O(x²)).
 
 use super::{C64, hold, hold::Hold, noise};
+use nalgebra::ComplexField;
 use serde::Serialize;
 
 /// A converter's resolution.
@@ -94,8 +95,8 @@ impl Chain {
             .into_iter()
             .map(|(stage, h, delay_s, noise_rms)| BudgetRow {
                 stage,
-                gain: h.norm(),
-                phase_deg: h.arg().to_degrees(),
+                gain: h.modulus(),
+                phase_deg: h.argument().to_degrees(),
                 delay_s,
                 noise_rms,
             })

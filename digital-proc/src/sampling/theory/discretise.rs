@@ -6,6 +6,7 @@
 //! with `Γ_old = Φ(T − fT) Γ(fT)` and `Γ_new = Γ(T − fT)`.
 
 use super::{TheoryError, in_range};
+use crate::matrix_exp::matrix_exp;
 use nalgebra::DMatrix;
 
 /// A discretised system; shapes n×n, n×m, n×m.
@@ -42,7 +43,7 @@ pub fn hold_discretise(
     let mut block = DMatrix::zeros(n + m, n + m);
     block.view_mut((0, 0), (n, n)).copy_from(&(a * period_s));
     block.view_mut((0, n), (n, m)).copy_from(&(b * period_s));
-    let e = block.exp();
+    let e = matrix_exp(&block);
     Ok((
         e.view((0, 0), (n, n)).into_owned(),
         e.view((0, n), (n, m)).into_owned(),

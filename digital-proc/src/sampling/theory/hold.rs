@@ -4,7 +4,7 @@
 //! fundamental at ω in the output of a sampled channel to the continuous input;
 //! the images at `ω + 2πk/T` are left out.
 
-use super::C64;
+use super::{C64, phasor};
 use serde::{Deserialize, Serialize};
 
 /// How a DAC fills the time between transfers.
@@ -40,7 +40,7 @@ impl Hold {
     #[must_use]
     pub fn transfer(self, omega_rad_s: f64, frame_s: f64) -> C64 {
         let x = omega_rad_s * frame_s;
-        let zero_order = C64::from_polar(1.0, -x / 2.0) * sinc(x / 2.0);
+        let zero_order = phasor(-x / 2.0) * sinc(x / 2.0);
         match self {
             Hold::ZeroOrder => zero_order,
             Hold::Extrapolating => C64::new(1.0, x) * zero_order * zero_order,
@@ -66,14 +66,14 @@ pub fn sinc(y: f64) -> f64 {
     if y.abs() < 1e-4 {
         1.0 - y * y / 6.0
     } else {
-        y.sin() / y
+        libm::sin(y) / y
     }
 }
 
 /// A pure delay `e^{−jωτ}`.
 #[must_use]
 pub fn delay(omega_rad_s: f64, delay_s: f64) -> C64 {
-    C64::from_polar(1.0, -omega_rad_s * delay_s)
+    phasor(-omega_rad_s * delay_s)
 }
 
 /// Digital lead of `a` frames, `r_n + a (r_n − r_{n−1})`: `1 + a (1 − e^{−jx})`.
@@ -82,15 +82,14 @@ pub fn delay(omega_rad_s: f64, delay_s: f64) -> C64 {
 /// with a latency τ the lead for cancellation is `a = ½ + τ/T`.
 #[must_use]
 pub fn lead(omega_rad_s: f64, frame_s: f64, frames: f64) -> C64 {
-    C64::new(1.0, 0.0)
-        + (C64::new(1.0, 0.0) - C64::from_polar(1.0, -omega_rad_s * frame_s)) * frames
+    C64::new(1.0, 0.0) + (C64::new(1.0, 0.0) - phasor(-omega_rad_s * frame_s)) * frames
 }
 
 /// Track-and-hold that averages over an aperture ending at the sample: `sinc(ωa/2) e^{−jωa/2}`.
 #[must_use]
 pub fn aperture(omega_rad_s: f64, aperture_s: f64) -> C64 {
     let y = omega_rad_s * aperture_s / 2.0;
-    C64::from_polar(1.0, -y) * sinc(y)
+    phasor(-y) * sinc(y)
 }
 
 /// First-order settling of a DAC, `1/(1 + jωτ)`.

@@ -16,10 +16,20 @@ pub mod hold;
 pub mod noise;
 pub mod period_map;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, ComplexField};
 
 /// A complex number.
+///
+/// Its elementary functions are those of [`ComplexField`], which take them from `libm`; the
+/// inherent ones of the same names (and `norm`, `arg`, `from_polar`) take the C library's.
 pub type C64 = Complex<f64>;
+
+/// `e^{jφ}`.
+#[must_use]
+pub fn phasor(angle_rad: f64) -> C64 {
+    let (sin, cos) = libm::sincos(angle_rad);
+    C64::new(cos, sin)
+}
 
 /// Why a theoretical value could not be formed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -58,19 +68,19 @@ pub enum TheoryError {
 /// Damping ratio `−Re s / |s|`.
 #[must_use]
 pub fn damping_ratio(s: C64) -> f64 {
-    -s.re / s.norm()
+    -s.re / s.modulus()
 }
 
 /// Growth of the amplitude over one cycle, `exp(2π Re s / |Im s|)`.
 #[must_use]
 pub fn growth_per_cycle(s: C64) -> f64 {
-    (std::f64::consts::TAU * s.re / s.im.abs()).exp()
+    libm::exp(std::f64::consts::TAU * s.re / s.im.abs())
 }
 
 /// `s = ln z / T`, principal branch: |Im s| ≤ π/T.
 #[must_use]
 pub fn equivalent_root(z: C64, period_s: f64) -> C64 {
-    z.ln() / period_s
+    ComplexField::ln(z) / period_s
 }
 
 /// The root nearest to `target`; `None` for an empty slice.
@@ -81,7 +91,7 @@ pub fn nearest_root(roots: &[C64], target: C64) -> Option<C64> {
     roots
         .iter()
         .copied()
-        .min_by(|a, b| (a - target).norm().total_cmp(&(b - target).norm()))
+        .min_by(|a, b| (a - target).modulus().total_cmp(&(b - target).modulus()))
 }
 
 pub(crate) fn in_range(

@@ -26,14 +26,14 @@ pub fn integrator_variance(step: f64, frame_s: f64, time_s: f64) -> f64 {
 /// `(q²/12) (1 − e^{−aT}) / (1 + e^{−aT})`.
 #[must_use]
 pub fn lag_variance(step: f64, frame_s: f64, corner_rad_s: f64) -> f64 {
-    let decay = (-corner_rad_s * frame_s).exp();
+    let decay = libm::exp(-corner_rad_s * frame_s);
     quantisation_variance(step) * (1.0 - decay) / (1.0 + decay)
 }
 
 /// Error of an angle read from a sine at `t` and a cosine at `t + δ`: `ωδ sin²θ`, rad, to first order.
 #[must_use]
 pub fn resolver_skew_error_rad(omega_rad_s: f64, skew_s: f64, theta_rad: f64) -> f64 {
-    omega_rad_s * skew_s * theta_rad.sin().powi(2)
+    omega_rad_s * skew_s * libm::sin(theta_rad).powi(2)
 }
 
 /// Mean of [`resolver_skew_error_rad`] over a revolution, `ωδ/2`.

@@ -7,7 +7,8 @@
 //! for any latency and any number of rates.
 
 use super::{C64, TheoryError, equivalent_root, nearest_root};
-use nalgebra::{DMatrix, DVector, Schur};
+use crate::matrix_exp::matrix_exp;
+use nalgebra::{ComplexField, DMatrix, DVector, Schur};
 
 /// Roots with |z| below this are memory cells that only shift; ln z means nothing there.
 ///
@@ -36,7 +37,7 @@ impl PeriodMap {
     /// Flows by `exp(generator · seconds)`; `generator` is n×n.
     pub fn flow(&mut self, generator: &DMatrix<f64>, seconds: f64) {
         if seconds > 0.0 {
-            self.matrix = (generator * seconds).exp() * &self.matrix;
+            self.matrix = matrix_exp(&(generator * seconds)) * &self.matrix;
             self.elapsed_s += seconds;
         }
     }
@@ -86,7 +87,7 @@ impl PeriodMap {
         Ok(self
             .discrete_roots()?
             .iter()
-            .map(|z| z.norm())
+            .map(|z| z.modulus())
             .fold(0.0, f64::max))
     }
 
@@ -98,7 +99,7 @@ impl PeriodMap {
         Ok(self
             .discrete_roots()?
             .into_iter()
-            .filter(|z| z.norm() > ORIGIN)
+            .filter(|z| z.modulus() > ORIGIN)
             .map(|z| equivalent_root(z, self.elapsed_s))
             .collect())
     }

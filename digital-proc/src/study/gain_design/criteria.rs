@@ -162,7 +162,7 @@ pub fn gain_margin_db(plane: &Plane) -> f64 {
         states.push(ChannelGains::FTC_ONLY);
     }
     let grows = |margin_db: f64| {
-        let factor = 10f64.powf(margin_db / 20.0);
+        let factor = libm::pow(10.0, margin_db / 20.0);
         states.iter().any(|state| {
             let raised = ChannelGains {
                 ftc: factor * state.ftc,

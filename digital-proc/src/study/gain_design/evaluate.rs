@@ -74,6 +74,24 @@ pub fn evaluate(
         .collect()
 }
 
+impl PointQuality {
+    /// Which criteria it fails and by how much, as `overshoot 31.2 % at max-q (32.5 s)`.
+    #[must_use]
+    pub fn failures(&self) -> Vec<String> {
+        let of = |name: &str, value: Option<f64>, most: f64| {
+            let told = match value {
+                Some(v) if v <= most => return None,
+                Some(v) => format!("{name} {:.1} %", 100.0 * v),
+                None => format!("no {name}, it diverges,"),
+            };
+            Some(format!("{told} at {} ({} s)", self.point, self.time_s))
+        };
+        let overshoot = of("overshoot", self.quality.overshoot, OVERSHOOT);
+        let residual = of("residual", self.quality.residual, RESIDUAL);
+        overshoot.into_iter().chain(residual).collect()
+    }
+}
+
 /// Whether a schedule is accepted at every point.
 #[must_use]
 pub fn accepted(points: &[PointQuality]) -> bool {

@@ -21,6 +21,10 @@ pub const SHIPPED_NAME: &str = "digital-proc/data/dispersions.toml";
 /// Most dispersions: the corners double with each.
 pub const MOST: usize = 14;
 
+/// Factors of a quantity lie within these. A dispersion is a tolerance; what is ten times as quick
+/// or as slow is another vehicle, and what is thousands of times as stiff takes the machine hours.
+pub const FACTORS: [f64; 2] = [0.1, 10.0];
+
 /// A checked dispersion file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dispersions {
@@ -104,8 +108,8 @@ struct RawFile {
 struct RawDispersion {
     title: String,
     quantity: Option<Spanned<String>>,
-    low: Option<f64>,
-    high: Option<f64>,
+    low: Option<Spanned<f64>>,
+    high: Option<Spanned<f64>>,
     stations_m: Option<Spanned<[f64; 2]>>,
 }
 
@@ -193,7 +197,7 @@ impl Dispersions {
 
 fn dispersed(raw: &Spanned<RawDispersion>, source: &Source<'_>) -> Result<Dispersed, FileFault> {
     let entry = raw.get_ref();
-    match (&entry.quantity, entry.low, entry.high, &entry.stations_m) {
+    match (&entry.quantity, &entry.low, &entry.high, &entry.stations_m) {
         (Some(name), Some(low), Some(high), None) => {
             let quantity = Quantity::find(name.get_ref()).ok_or_else(|| {
                 source.fault(
@@ -202,14 +206,25 @@ fn dispersed(raw: &Spanned<RawDispersion>, source: &Source<'_>) -> Result<Disper
                     suggestion(name.get_ref(), QUANTITIES.iter().map(|q| q.name)),
                 )
             })?;
-            // A factor of 0 or below would take a time constant or a mass with it.
-            if low > 0.0 && high > low && high.is_finite() {
+            let [least, most] = FACTORS;
+            for factor in [low, high] {
+                // Not a number is no factor either.
+                if !(least..=most).contains(factor.get_ref()) {
+                    return Err(source.fault(
+                        factor.span(),
+                        format!("a factor of {}", factor.get_ref()),
+                        format!("a dispersion is a factor of {least} to {most}"),
+                    ));
+                }
+            }
+            let (low, high) = (*low.get_ref(), *high.get_ref());
+            if low < high {
                 Ok(Dispersed::Factors(quantity, [low, high]))
             } else {
                 Err(source.fault(
                     raw.span(),
                     format!("factors {low} and {high}"),
-                    "give 0 < low < high".to_owned(),
+                    "give low < high".to_owned(),
                 ))
             }
         }
@@ -262,11 +277,19 @@ mod tests {
             ),
             (
                 "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-damping\"\nlow = 1.5\nhigh = 0.5",
-                ["x.toml:2", "0 < low < high", "1.5", "0.5"],
+                ["x.toml:2", "low < high", "1.5", "0.5"],
             ),
             (
                 "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nlow = 1.5",
                 ["x.toml:2", "stations-m", "quantity", "`a`"],
+            ),
+            (
+                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-damping\"\nlow = 0.5\nhigh = 1.2e9",
+                ["x.toml:6", "1200000000", "0.1", "10"],
+            ),
+            (
+                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-damping\"\nlow = 0.0\nhigh = 1.5",
+                ["x.toml:5", "factor of 0", "0.1", "10"],
             ),
         ] {
             let error = Dispersions::from_toml("x.toml", text)

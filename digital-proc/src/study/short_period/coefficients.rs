@@ -177,7 +177,7 @@ impl Plane {
             tip_rate: point.tip_rate_radps,
             tip_bandwidth: 1.0 / point.ftc_time_constant_s,
             misalignment: disturbance.misalignment * point.misalignment_moment_nm / inertia,
-            gust: disturbance.gust * point.gust_mps * point.gamma_rad.sin() / point.speed_mps,
+            gust: disturbance.gust * point.gust_mps * libm::sin(point.gamma_rad) / point.speed_mps,
         }
     }
 

@@ -7,7 +7,8 @@
 
 use std::f64::consts::FRAC_2_PI;
 
-use nalgebra::{DMatrix, SMatrix};
+use crate::matrix_exp::matrix_exp;
+use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::coefficients::{Plane, YawRollSettings};
 
@@ -37,7 +38,7 @@ pub fn dead_zone_gain(half_width: f64, amplitude: f64) -> f64 {
         return 0.0;
     }
     let rho = half_width / amplitude;
-    1.0 - FRAC_2_PI * (rho.asin() + rho * (1.0 - rho * rho).sqrt())
+    1.0 - FRAC_2_PI * (libm::asin(rho) + rho * (1.0 - rho * rho).sqrt())
 }
 
 /// One eigenvalue s as natural frequency |s| and damping ratio −Re s/|s|.
@@ -53,7 +54,7 @@ impl Root {
     /// Natural frequency |s|, rad/s.
     #[must_use]
     pub fn frequency_radps(&self) -> f64 {
-        self.real.hypot(self.imaginary)
+        libm::hypot(self.real, self.imaginary)
     }
 
     /// Damping ratio −Re s/|s|; 0 for a root at the origin.
@@ -158,18 +159,18 @@ pub fn step_response(
     const TVC: usize = 4;
     const ETA: usize = 7;
     const FILTERED: usize = 9;
-    let mut augmented = SMatrix::<f64, 11, 11>::zeros();
+    let mut augmented = DMatrix::zeros(11, 11);
     augmented
-        .fixed_view_mut::<10, 10>(0, 0)
+        .view_mut((0, 0), (10, 10))
         .copy_from(&plane_matrix(plane, gains));
     augmented[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
     augmented[(FILTERED, 10)] = plane.filter_pole;
-    let advance = (augmented * sample_s).exp();
-    let mut state = nalgebra::SVector::<f64, 11>::zeros();
+    let advance = matrix_exp(&(augmented * sample_s));
+    let mut state = DVector::zeros(11);
     state[10] = command_rad;
     let mut response = vec![[0.0; 2]];
     for _ in 0..samples {
-        state = advance * state;
+        state = &advance * state;
         response.push([state[THETA], state[ETA]]);
     }
     response

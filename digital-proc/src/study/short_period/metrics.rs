@@ -203,7 +203,7 @@ pub fn oscillation(
         };
         peaks.push((
             (ends[0] + ends[1]) / 2.0 * sample_s,
-            (top + rise).max(f64::MIN_POSITIVE).ln(),
+            libm::log((top + rise).max(f64::MIN_POSITIVE)),
         ));
     }
     if peaks.len() < HALF_WAVES {
@@ -212,7 +212,7 @@ pub fn oscillation(
     let damped_radps = std::f64::consts::PI * (crossings.len() - 1) as f64
         / ((crossings[crossings.len() - 1] - crossings[0]) * sample_s);
     let decay = -slope(&peaks);
-    let frequency = decay.hypot(damped_radps);
+    let frequency = libm::hypot(decay, damped_radps);
     Some(Oscillation {
         frequency_radps: frequency,
         damping: decay / frequency,

@@ -9,7 +9,10 @@
 //! It refuses messages above [`MESSAGE_LIMIT`] and parts out of order.
 
 use super::{LinkFault, NODES, fault, service_name};
-use crate::control::{Reply, Request};
+use crate::{
+    control::{Reply, Request},
+    link::bell::Bell,
+};
 use iceoryx2::{
     active_request::ActiveRequest,
     node::Node,
@@ -210,7 +213,7 @@ impl Server {
     }
 
     /// Moves the exchange on; gives the request when its last part has come.
-    pub(super) fn take(&mut self) -> Result<Option<Request>, LinkFault> {
+    pub(super) fn take(&mut self, bell: &Bell) -> Result<Option<Request>, LinkFault> {
         let active = match self.port.receive() {
             Ok(Some(active)) => active,
             Ok(None) => return Ok(None),
@@ -229,7 +232,7 @@ impl Server {
                     kind: Kind::Taken,
                     ..head
                 };
-                respond(&active, taken, &[])?;
+                respond(&active, taken, &[], bell)?;
                 Ok(None)
             }
             Kind::Pull => {
@@ -240,7 +243,7 @@ impl Server {
                 let (answer, part) = outgoing
                     .part(head.index)
                     .ok_or_else(|| garbled("a part was pulled beyond the last"))?;
-                respond(&active, answer, part)?;
+                respond(&active, answer, part, bell)?;
                 outgoing.next = head.index + 1;
                 Ok(None)
             }
@@ -248,7 +251,7 @@ impl Server {
         }
     }
 
-    pub(super) fn reply(&mut self, reply: &Reply) -> Result<(), LinkFault> {
+    pub(super) fn reply(&mut self, reply: &Reply, bell: &Bell) -> Result<(), LinkFault> {
         let active = self
             .asked
             .take()
@@ -260,23 +263,23 @@ impl Server {
         let (head, part) = outgoing
             .part(0)
             .ok_or_else(|| garbled("a reply without parts"))?;
-        respond(&active, head, part)
+        respond(&active, head, part, bell)
     }
 
     /// Serves pulls; true when the last part of the reply has gone.
-    pub(super) fn reply_gone(&mut self) -> Result<bool, LinkFault> {
+    pub(super) fn reply_gone(&mut self, bell: &Bell) -> Result<bool, LinkFault> {
         if self.outgoing.as_ref().is_none_or(Outgoing::done) {
             self.outgoing = None;
             return Ok(true);
         }
-        match self.take()? {
+        match self.take(bell)? {
             None => Ok(self.outgoing.as_ref().is_none_or(Outgoing::done)),
             Some(_) => Err(garbled("a request came before its forerunner was answered")),
         }
     }
 }
 
-fn respond(active: &Active, head: Head, part: &[u8]) -> Result<(), LinkFault> {
+fn respond(active: &Active, head: Head, part: &[u8], bell: &Bell) -> Result<(), LinkFault> {
     let response = active
         .loan_slice_uninit(HEAD + part.len())
         .map_err(fault("loaning a reply"))?;
@@ -284,7 +287,9 @@ fn respond(active: &Active, head: Head, part: &[u8]) -> Result<(), LinkFault> {
     response
         .write_from_fn(|i| byte_at(&head, part, i))
         .send()
-        .map_err(fault("sending a reply"))
+        .map_err(fault("sending a reply"))?;
+    bell.ring();
+    Ok(())
 }
 
 fn byte_at(head: &[u8; HEAD], part: &[u8], i: usize) -> u8 {
@@ -318,46 +323,48 @@ impl Client {
         })
     }
 
-    fn ask(&self, head: Head, part: &[u8]) -> Result<Pending, LinkFault> {
+    fn ask(&self, head: Head, part: &[u8], bell: &Bell) -> Result<Pending, LinkFault> {
         let request = self
             .port
             .loan_slice_uninit(HEAD + part.len())
             .map_err(fault("loaning a request"))?;
         let head = head.bytes();
-        request
+        let pending = request
             .write_from_fn(|i| byte_at(&head, part, i))
             .send()
-            .map_err(fault("sending a request"))
+            .map_err(fault("sending a request"))?;
+        bell.ring();
+        Ok(pending)
     }
 
     /// Sends the next part of the request.
-    fn push(&mut self) -> Result<(), LinkFault> {
+    fn push(&mut self, bell: &Bell) -> Result<(), LinkFault> {
         self.pending = None;
         let outgoing = self.outgoing.as_ref();
         let (head, part) = outgoing
             .and_then(|o| o.part(o.next))
             .ok_or_else(|| garbled("no part is left to send"))?;
-        self.pending = Some(self.ask(head, part)?);
+        self.pending = Some(self.ask(head, part, bell)?);
         Ok(())
     }
 
-    pub(super) fn put(&mut self, request: &Request) -> Result<(), LinkFault> {
+    pub(super) fn put(&mut self, request: &Request, bell: &Bell) -> Result<(), LinkFault> {
         self.incoming = Incoming::default();
         self.outgoing = Some(Outgoing {
             bytes: encode(request)?,
             next: 0,
         });
-        self.push()
+        self.push(bell)
     }
 
     /// Moves the exchange on; gives the reply when its last part has come.
-    pub(super) fn take(&mut self) -> Result<Option<Reply>, LinkFault> {
+    pub(super) fn take(&mut self, bell: &Bell) -> Result<Option<Reply>, LinkFault> {
         let Some(pending) = &self.pending else {
             return Err(garbled("nothing was asked"));
         };
         if pending.number_of_server_connections() == 0 {
             // A request sent before the server exists goes nowhere, and is no error.
-            self.push()?;
+            self.push(bell)?;
             return Ok(None);
         }
         let response = match pending.receive() {
@@ -373,7 +380,7 @@ impl Client {
                 if let Some(outgoing) = &mut self.outgoing {
                     outgoing.next += 1;
                 }
-                self.push()?;
+                self.push(bell)?;
                 Ok(None)
             }
             Kind::Part if self.incoming.take(head, part)? => {
@@ -390,7 +397,7 @@ impl Client {
                     count: head.count,
                 };
                 self.pending = None;
-                self.pending = Some(self.ask(pull, &[])?);
+                self.pending = Some(self.ask(pull, &[], bell)?);
                 Ok(None)
             }
             Kind::Pull => Err(garbled("a reply of the wrong kind")),

@@ -10,14 +10,18 @@
 //! clean-up is neither needed nor trusted.
 
 mod control;
+mod counter;
+mod opening;
 mod wire;
 
 use self::{
     control::{Client, Server},
+    opening::{Progress, supervised},
     wire::{SamplesWire, UpdatesWire},
 };
 use super::{
     LinkFault,
+    bell::Bell,
     end::{AnalogEnd, AnalogWire, DigitalEnd, DigitalWire, died},
     waiting::{Limit, Patience, Watch, wait},
 };
@@ -26,19 +30,23 @@ use crate::{
     control::{Reply, Request},
     frame::{Samples, Updates},
     protocol::Protocol,
-    session::{Partner, Session},
+    session::{Partner, SHARED_MEMORY, Session},
 };
 use iceoryx2::{
     node::Node,
-    port::{publisher::Publisher, subscriber::Subscriber},
+    port::{
+        publisher::Publisher, subscriber::Subscriber, update_connections::UpdateConnections as _,
+    },
     prelude::{
-        Config, FileName, LogLevel, NodeBuilder, Path, SemanticString, ServiceName,
-        SignalHandlingMode, ZeroCopySend, ipc, set_log_level,
+        Config, FileName, LogLevel, NodeBuilder, SemanticString, ServiceName, SignalHandlingMode,
+        ZeroCopySend, ipc, set_log_level,
     },
     service::port_factory::publish_subscribe,
 };
 use std::{
     os::unix::ffi::OsStrExt,
+    path::Path,
+    sync::atomic::Ordering,
     time::{Duration, Instant},
 };
 
@@ -74,26 +82,33 @@ impl ShmAnalog {
         patience: &Patience,
     ) -> Result<ShmAnalog, LinkFault> {
         expect_side(session, Side::Analog)?;
-        let mut peer = Peer::new(session, child)?;
-        let ports = peer.build(patience, |node| {
-            Ok((
-                publisher(&samples_service(node)?)?,
-                subscriber(&updates_service(node)?)?,
-                Server::open(node)?,
-            ))
-        })?;
-        let (node, (samples, updates, server)) = ports;
-        peer.meet(patience)?;
-        let ports = AnalogPorts {
-            samples,
-            updates,
-            server,
-            _node: node,
-            peer,
-        };
-        let mut end = AnalogEnd::new(ports, Protocol::new(), patience);
-        end.greet()?;
-        Ok(end)
+        let peer = Peer::new(session, child)?;
+        supervised(peer, patience, |mut peer, patience| {
+            let (node, (samples, updates, server)) = peer.build(patience, |node| {
+                Ok((
+                    publisher(&samples_service(node)?)?,
+                    subscriber(&updates_service(node)?)?,
+                    Server::open(node)?,
+                ))
+            })?;
+            peer.meet(patience)?;
+            let ports = AnalogPorts {
+                samples,
+                updates,
+                server,
+                _node: node,
+                goodbye: false,
+                peer,
+            };
+            let mut end = AnalogEnd::new(ports, Protocol::new(), patience);
+            end.greet()?;
+            // All connections are made here, under supervision, and none in a frame.
+            let made = end.wire().samples.update_connections();
+            made.map_err(fault("connecting"))?;
+            let made = end.wire().updates.update_connections();
+            made.map_err(fault("connecting"))?;
+            Ok(end)
+        })
     }
 }
 
@@ -111,25 +126,31 @@ impl ShmDigital {
         patience: &Patience,
     ) -> Result<ShmDigital, LinkFault> {
         expect_side(session, Side::Digital)?;
-        let mut peer = Peer::new(session, child)?;
-        let (node, (samples, updates, client)) = peer.build(patience, |node| {
-            Ok((
-                subscriber(&samples_service(node)?)?,
-                publisher(&updates_service(node)?)?,
-                Client::open(node)?,
-            ))
-        })?;
-        peer.meet(patience)?;
-        let ports = DigitalPorts {
-            samples,
-            updates,
-            client,
-            _node: node,
-            peer,
-        };
-        let mut end = DigitalEnd::new(ports, Protocol::new(), patience);
-        end.greet()?;
-        Ok(end)
+        let peer = Peer::new(session, child)?;
+        supervised(peer, patience, |mut peer, patience| {
+            let (node, (samples, updates, client)) = peer.build(patience, |node| {
+                Ok((
+                    subscriber(&samples_service(node)?)?,
+                    publisher(&updates_service(node)?)?,
+                    Client::open(node)?,
+                ))
+            })?;
+            peer.meet(patience)?;
+            let ports = DigitalPorts {
+                samples,
+                updates,
+                client,
+                _node: node,
+                peer,
+            };
+            let mut end = DigitalEnd::new(ports, Protocol::new(), patience);
+            end.greet()?;
+            let made = end.wire().updates.update_connections();
+            made.map_err(fault("connecting"))?;
+            let made = end.wire().samples.update_connections();
+            made.map_err(fault("connecting"))?;
+            Ok(end)
+        })
     }
 }
 
@@ -141,7 +162,35 @@ pub struct AnalogPorts {
     updates: Subscriber<ipc::Service, UpdatesWire, ()>,
     server: Server,
     _node: Node<ipc::Service>,
+    /// Whether the digital side has said that it will end.
+    goodbye: bool,
     peer: Peer,
+}
+
+/// How long the analog side waits for the digital one to close its end. That one closes
+/// as soon as the other is done, unless it computes just then.
+const LAST_OUT: Duration = Duration::from_secs(1);
+
+impl Drop for AnalogPorts {
+    /// After a goodbye the analog side leaves last: should its partner be killed while it
+    /// leaves, somebody is there to remove the traces. The digital side, where it started
+    /// this one, in turn waits for this process to end and removes what a kill of this one
+    /// leaves.
+    fn drop(&mut self) {
+        let bell = &self.peer.bell;
+        bell.close();
+        let started = Instant::now();
+        while !bell.partner_closed() && !self.peer.gone() {
+            if !self.goodbye || started.elapsed() > LAST_OUT {
+                return;
+            }
+            let heard = bell.listen();
+            if !bell.partner_closed() {
+                bell.sleep(heard, Duration::from_millis(5));
+            }
+        }
+        self.peer.session.inherit();
+    }
 }
 
 /// Ports of the digital end.
@@ -156,7 +205,9 @@ pub struct DigitalPorts {
 
 impl AnalogWire for AnalogPorts {
     fn put_samples(&mut self, samples: &Samples, _lossy: bool) -> Result<(), LinkFault> {
-        publish(&self.samples, SamplesWire(*samples))
+        publish(&self.samples, SamplesWire(*samples))?;
+        self.peer.bell.ring();
+        Ok(())
     }
 
     fn take_updates(&mut self) -> Result<Option<Updates>, LinkFault> {
@@ -167,15 +218,17 @@ impl AnalogWire for AnalogPorts {
     }
 
     fn take_request(&mut self) -> Result<Option<Request>, LinkFault> {
-        self.server.take()
+        let request = self.server.take(&self.peer.bell)?;
+        self.goodbye |= matches!(request, Some(Request::Bye));
+        Ok(request)
     }
 
     fn put_reply(&mut self, reply: &Reply) -> Result<(), LinkFault> {
-        self.server.reply(reply)
+        self.server.reply(reply, &self.peer.bell)
     }
 
     fn reply_gone(&mut self) -> Result<bool, LinkFault> {
-        self.server.reply_gone()
+        self.server.reply_gone(&self.peer.bell)
     }
 }
 
@@ -188,15 +241,17 @@ impl DigitalWire for DigitalPorts {
     }
 
     fn put_updates(&mut self, updates: &Updates, _lossy: bool) -> Result<(), LinkFault> {
-        publish(&self.updates, UpdatesWire(*updates))
+        publish(&self.updates, UpdatesWire(*updates))?;
+        self.peer.bell.ring();
+        Ok(())
     }
 
     fn put_request(&mut self, request: &Request) -> Result<(), LinkFault> {
-        self.client.put(request)
+        self.client.put(request, &self.peer.bell)
     }
 
     fn take_reply(&mut self) -> Result<Option<Reply>, LinkFault> {
-        self.client.take()
+        self.client.take(&self.peer.bell)
     }
 }
 
@@ -204,7 +259,8 @@ impl DigitalWire for DigitalPorts {
 #[derive(Debug)]
 struct Peer {
     side: Side,
-    partner: Option<Partner>,
+    progress: Progress,
+    bell: Bell,
     session: Session,
 }
 
@@ -228,9 +284,16 @@ impl Peer {
                 detail: "it ended before the link was open".to_owned(),
             });
         }
+        let progress = Progress::default();
+        if let Some(partner) = partner {
+            let _ = progress.partner.set(partner);
+        }
+        let bell = Bell::mapped(&session.root().join("bell"), session.side())
+            .map_err(fault("mapping the session's bell"))?;
         Ok(Peer {
             side: session.side().partner(),
-            partner,
+            progress,
+            bell,
             session: session.clone(),
         })
     }
@@ -244,6 +307,7 @@ impl Peer {
     ) -> Result<(Node<ipc::Service>, P), LinkFault> {
         set_log_level(LogLevel::Fatal);
         let config = config(&self.session)?;
+        counter::provide(Path::new(SHARED_MEMORY), self.session.prefix())?;
         let started = Instant::now();
         let limit = patience.arrival.unwrap_or(patience.silence);
         loop {
@@ -255,10 +319,13 @@ impl Peer {
                 .map_err(fault("joining the shared memory"))
                 .and_then(|node| ports(&node).map(|ports| (node, ports)));
             match made {
-                Ok(made) => return Ok(made),
-                Err(_) if self.gone_within(Duration::from_millis(1)) => return Err(died(self, 0)),
+                Ok(made) => {
+                    self.progress.built.store(true, Ordering::Release);
+                    return Ok(made);
+                }
+                Err(_) if self.gone() => return Err(died(self, 0)),
                 Err(fault) if started.elapsed() > limit => return Err(fault),
-                Err(_) => {}
+                Err(_) => std::thread::sleep(Duration::from_millis(1)),
             }
         }
     }
@@ -270,8 +337,13 @@ impl Peer {
             let partner = peer.session.partner();
             partner.map_err(fault("looking for the partner"))
         })?;
-        self.partner = Some(joined);
+        // A child that was started and the partner that has joined are one process.
+        let _ = self.progress.partner.set(joined);
         Ok(())
+    }
+
+    fn partner(&self) -> Option<&Partner> {
+        self.progress.partner.get()
     }
 }
 
@@ -280,28 +352,29 @@ impl Watch for Peer {
         self.side
     }
 
-    fn gone_within(&self, slice: Duration) -> bool {
-        match &self.partner {
-            Some(partner) => partner.ended_within(slice),
-            None => {
-                std::thread::sleep(slice);
-                false
-            }
-        }
+    fn bell(&self) -> &Bell {
+        &self.bell
+    }
+
+    fn gone(&self) -> bool {
+        self.partner().is_some_and(Partner::ended)
     }
 
     fn left(&self) -> bool {
-        self.partner.as_ref().is_some_and(Partner::left)
+        self.bell.partner_closed() || self.partner().is_some_and(Partner::left)
     }
 
     fn epitaph(&self) -> String {
-        self.partner
-            .as_ref()
+        self.partner()
             .map_or_else(|| "it never came".to_owned(), Partner::epitaph)
     }
 
+    fn stopped(&self) -> bool {
+        self.partner().is_some_and(Partner::stopped)
+    }
+
     fn cpu_time(&self) -> Option<Duration> {
-        self.partner.as_ref().and_then(Partner::cpu_time)
+        self.partner().and_then(Partner::cpu_time)
     }
 }
 
@@ -311,14 +384,20 @@ macro_rules! watch_by_peer {
             fn side(&self) -> Side {
                 self.peer.side()
             }
-            fn gone_within(&self, slice: Duration) -> bool {
-                self.peer.gone_within(slice)
+            fn bell(&self) -> &Bell {
+                self.peer.bell()
+            }
+            fn gone(&self) -> bool {
+                self.peer.gone()
             }
             fn left(&self) -> bool {
                 self.peer.left()
             }
             fn epitaph(&self) -> String {
                 self.peer.epitaph()
+            }
+            fn stopped(&self) -> bool {
+                self.peer.stopped()
             }
             fn cpu_time(&self) -> Option<Duration> {
                 self.peer.cpu_time()
@@ -353,10 +432,10 @@ fn config(session: &Session) -> Result<Config, LinkFault> {
     let text = |e: iceoryx2::prelude::SemanticStringError| fault(doing)(format!("{e:?}"));
     let mut config = Config::default();
     config.global.prefix = FileName::new(session.prefix().as_bytes()).map_err(text)?;
-    let root = session.root().join("iceoryx2");
+    let root = session.root();
     config
         .global
-        .set_root_path(&Path::new(root.as_os_str().as_bytes()).map_err(text)?);
+        .set_root_path(&iceoryx2::prelude::Path::new(root.as_os_str().as_bytes()).map_err(text)?);
     config.global.creation_timeout = CREATION_TIMEOUT;
     // A session's leavings are removed as a whole, by the session.
     config.global.service.cleanup_dead_nodes_on_open = false;

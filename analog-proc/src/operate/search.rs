@@ -1,0 +1,242 @@
+//! Where within an accepted step a surface may be crossed, if anywhere.
+//!
+//! A side with its rates at both ends of an interval has a cubic between them. In
+//! Bernstein's form its coefficients bound it; so does, with the bulge
+//! 16 E θ²(1 − θ)² of an error estimate E, the side itself. Where all coefficients
+//! are not positive, nothing is crossed. Else the interval is halved: what the cubic
+//! misses in the middle is the estimate for the halves, until each is free of
+//! crossings or has one side that rises through zero once. The estimate for the whole
+//! step costs nothing: it is the change of the third derivative since the step before.
+//! (Bernstein coefficients: Farin, Curves and Surfaces for CAGD, chapter 5.)
+//!
+//! An excursion that tolerance and rounding could have made is not followed; such
+//! grazes are counted and told.
+
+use super::Engine;
+use super::instants::resolution_s;
+use super::watch::is_beyond;
+use crate::fault::RunFault;
+use crate::signal::Rated;
+
+/// The nodes at the ends of a step; those inside follow.
+pub(super) const START: usize = 0;
+pub(super) const END: usize = 1;
+
+/// Places looked at within a step before it counts as one that cannot be followed.
+const MOST_PROBES: u32 = 5000;
+
+/// For a quartic the change of the third derivative over two neighbouring steps, in units of
+/// the step, is at least 32 times the greatest error of the cubic; a quarter of it is taken.
+const CHANGE: f64 = 0.125;
+
+/// The bulge's only Bernstein coefficient, of degree four, in units of the error in the middle.
+const BULGE: f64 = 16.0 / 6.0;
+
+/// Halvings before tolerance is asked.
+const SHARP_DEPTH: usize = 2;
+
+/// What is known of an interval.
+enum Verdict {
+    Clear,
+    /// A side rises through zero once, and no other does before it turns back.
+    Crossed,
+    Unknown,
+}
+
+/// Coefficients of degree four of the cubic over an interval of length `h`, without the
+/// bulge: c0 to c4.
+#[inline(always)]
+fn bernstein(a: Rated, b: Rated, h: f64) -> [f64; 5] {
+    let (d0, d1) = (h * a.rate, h * b.rate);
+    let middle = 0.5 * (a.value + b.value) + (d0 - d1) / 6.0;
+    [
+        a.value,
+        a.value + 0.25 * d0,
+        middle,
+        b.value - 0.25 * d1,
+        b.value,
+    ]
+}
+
+/// A sixth of the third derivative of the cubic, times `h` cubed.
+#[inline(always)]
+fn third(a: Rated, b: Rated, h: f64) -> f64 {
+    2.0 * (a.value - b.value) + h * (a.rate + b.rate)
+}
+
+impl Engine {
+    /// The nodes between which the first crossing of the step lies, the crossing by
+    /// then at the later one; `None` where the step crosses nothing.
+    pub(super) fn exclude(&mut self, h_s: f64) -> Result<Option<(usize, usize)>, RunFault> {
+        self.active.clear();
+        let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
+        let errors = &mut self.errors[0];
+        let cube = h_s * h_s * h_s;
+        for (i, (&a, &b)) in start.iter().zip(end).enumerate() {
+            let error = CHANGE * (third(a, b, h_s) - cube * self.thirds[i]).abs();
+            let [c0, c1, c2, c3, c4] = bernstein(a, b, h_s);
+            let greatest = c1.max(c3).max(c2 + BULGE * error).max(c0).max(c4);
+            errors[i] = error;
+            // What is undefined is not clear.
+            let sharp = self.machine.halvings[i] == 0 && self.followed;
+            if !(greatest <= 0.0 && error.is_finite() && sharp) {
+                self.active.push(i as u32);
+            }
+        }
+        if self.active.is_empty() {
+            return Ok(None);
+        }
+        self.find_noise();
+        self.probes = 0;
+        self.tolerated_known = false;
+        if self.followed {
+            match self.verdict(START, END, 0, h_s) {
+                Verdict::Clear => return Ok(None),
+                Verdict::Crossed => return Ok(Some((START, END))),
+                Verdict::Unknown => {}
+            }
+        }
+        self.split(START, END, 0, h_s)
+    }
+
+    /// Halves an interval of which too little is known.
+    fn split(
+        &mut self,
+        a: usize,
+        b: usize,
+        depth: usize,
+        h_s: f64,
+    ) -> Result<Option<(usize, usize)>, RunFault> {
+        self.probes += 1;
+        if self.probes > MOST_PROBES {
+            return Err(self.not_followed());
+        }
+        let middle = END + 1 + depth;
+        if self.nodes.len() <= middle {
+            let node = self.nodes[END].clone();
+            self.nodes.push(node);
+            self.errors.push(self.errors[0].clone());
+        }
+        let theta = 0.5 * (self.nodes[a].theta + self.nodes[b].theta);
+        self.rate_at(theta);
+        self.look_at_sides(middle, theta);
+        if depth + 1 == SHARP_DEPTH && !self.tolerated_known {
+            self.find_tolerated();
+            self.tolerated_known = true;
+        }
+        let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
+        for &i in &self.active {
+            let i = i as usize;
+            let [low, mid, high] = [a, middle, b].map(|n| self.nodes[n].sides[i]);
+            let (d0, d1) = (width_s * low.rate, width_s * high.rate);
+            let value = 0.5 * (low.value + high.value) + 0.125 * (d0 - d1);
+            let slope = 1.5 * (high.value - low.value) - 0.25 * (d0 + d1);
+            let missed = (width_s * mid.rate - slope).abs();
+            self.errors[depth + 1][i] = (mid.value - value).abs().max(0.25 * missed);
+        }
+        for (low, high) in [(a, middle), (middle, b)] {
+            match self.verdict(low, high, depth + 1, h_s) {
+                Verdict::Clear => {}
+                Verdict::Crossed => return Ok(Some((low, high))),
+                Verdict::Unknown => {
+                    let least_s = 4.0 * resolution_s(self.t_s + h_s);
+                    if 0.5 * width_s <= least_s {
+                        if self.is_crossed(high, depth + 1) {
+                            return Ok(Some((low, high)));
+                        }
+                    } else if let Some(found) = self.split(low, high, depth + 1, h_s)? {
+                        return Ok(Some(found));
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn is_crossed(&self, node: usize, depth: usize) -> bool {
+        self.active
+            .iter()
+            .any(|&i| self.is_side_crossed(i as usize, node, depth))
+    }
+
+    /// Whether a side is beyond its surface at a node: between the ends of the step by more
+    /// than the tolerances can have made.
+    fn is_side_crossed(&self, i: usize, node: usize, depth: usize) -> bool {
+        let side = self.nodes[node].sides[i];
+        is_beyond(side, self.noise[i]) && side.value > self.within(i, node <= END, depth)
+    }
+
+    /// What an excursion must exceed.
+    fn within(&self, i: usize, at_end: bool, depth: usize) -> f64 {
+        if at_end || depth < SHARP_DEPTH {
+            0.0
+        } else {
+            self.tolerated[i]
+        }
+    }
+
+    fn verdict(&mut self, a: usize, b: usize, depth: usize, h_s: f64) -> Verdict {
+        let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
+        let (mut crossed, mut grazed) = (false, None);
+        for &i in &self.active {
+            let i = i as usize;
+            if depth < usize::from(self.machine.halvings[i]) {
+                return Verdict::Unknown;
+            }
+            let (low, high) = (self.nodes[a].sides[i], self.nodes[b].sides[i]);
+            let [c0, c1, c2, c3, c4] = bernstein(low, high, width_s);
+            let bulge = BULGE * self.errors[depth][i];
+            let inside = c1.max(c2 + bulge).max(c3);
+            let within = self.within(i, false, depth);
+            let noise = self.noise[i];
+            let crossed_at = |node| self.is_side_crossed(i, node, depth);
+            let is_number = (inside + bulge).is_finite();
+            let is_end_crossed = crossed_at(b);
+            if !crossed_at(a) && inside <= within.max(noise) && !is_end_crossed && is_number {
+                if inside > 0.0 && depth >= SHARP_DEPTH {
+                    grazed = Some(self.machine.element_of_side[i]);
+                }
+                continue;
+            }
+            let rising =
+                is_end_crossed && c1 >= c0 && c2 - bulge >= c1 && c3 >= c2 + bulge && c4 >= c3;
+            if !rising {
+                return Verdict::Unknown;
+            }
+            crossed = true;
+        }
+        if let Some(element) = grazed {
+            self.grazes += 1;
+            self.first_graze.get_or_insert((self.t_s, element));
+        }
+        if crossed {
+            Verdict::Crossed
+        } else {
+            Verdict::Clear
+        }
+    }
+
+    /// After a step was accepted: its end is the start of the next.
+    pub(super) fn follow(&mut self) {
+        let h_s = self.step.h_s;
+        let cube = h_s * h_s * h_s;
+        let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
+        for (place, (&a, &b)) in self.thirds.iter_mut().zip(start.iter().zip(end)) {
+            *place = third(a, b, h_s) / cube;
+        }
+        self.nodes.swap(START, END);
+        self.nodes[START].theta = 0.0;
+        self.nodes[END].theta = 1.0;
+        self.followed = true;
+    }
+
+    fn not_followed(&self) -> RunFault {
+        let side = self.active.first().map_or(0, |i| *i as usize);
+        let element = self.machine.element_of_side[side];
+        let (block, _) = self.machine.elements[element as usize];
+        RunFault::NotFollowed {
+            t_s: self.t_s,
+            block: self.machine.block_name(block),
+        }
+    }
+}

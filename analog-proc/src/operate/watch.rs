@@ -1,0 +1,173 @@
+//! What the surfaces read, with its rates, at any instant of a step.
+//!
+//! The states and their rates at the ends of a step, or from the dense output
+//! between them, are carried through the operations behind the surfaces. What
+//! these read besides stands still until the next settling.
+
+use super::Engine;
+use crate::machine::Machine;
+use crate::signal::{Doubted, Rated, Signal};
+
+/// A side that the present region has not; finite, so that differences of it are numbers.
+const ABSENT: f64 = -1e300;
+
+/// Rounding of a state that was reached by steps of different length, in parts of it.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// The sides of all watched regions at one instant of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Node {
+    /// Its place in the step, 0 to 1.
+    pub theta: f64,
+    pub sides: Vec<Rated>,
+}
+
+fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [N]) {
+    let mut rest = sides;
+    for &e in &machine.watched {
+        let element = &machine.elements[e as usize].1;
+        let (own, others) = rest.split_at_mut(element.side_count());
+        own.fill(N::constant(ABSENT));
+        let mut own = own.iter_mut();
+        element.sides(region[e as usize], machine, nets, &mut |side| {
+            if let Some(place) = own.next() {
+                *place = side;
+            }
+        });
+        rest = others;
+    }
+}
+
+impl Engine {
+    /// After settling: everything from the nets as they stand.
+    pub(super) fn watch_start(&mut self) {
+        let states = self.step.y0.len();
+        for (rated, net) in self.rated_start.iter_mut().zip(&self.nets) {
+            *rated = Rated::constant(*net);
+        }
+        for (rated, rate) in self.rated_start.iter_mut().zip(&self.step.f0) {
+            rated.rate = *rate;
+        }
+        for op in &self.machine.watch {
+            let (frozen, t_s) = (&self.frozen, self.t_s);
+            self.machine
+                .evaluate(op, frozen, t_s, &mut self.rated_start);
+        }
+        self.rated[states..].copy_from_slice(&self.rated_start[states..]);
+        self.followed = false;
+        let region = &self.frozen.region;
+        let start = &mut self.nodes[super::search::START];
+        sides(&self.machine, region, &self.rated_start, &mut start.sides);
+        self.look_at_paces();
+    }
+
+    pub(super) fn look_at_paces(&mut self) {
+        let (lines, t_s) = (&self.frozen.lines, self.t_s);
+        self.paces
+            .look(&self.machine, lines, t_s, &self.rated_start);
+    }
+
+    fn rate_nets(&mut self, t_s: f64) {
+        for op in &self.machine.watch {
+            self.machine
+                .evaluate(op, &self.frozen, t_s, &mut self.rated);
+        }
+    }
+
+    /// Brings `rated` to the end of the step as it now is.
+    pub(super) fn rate_end(&mut self) {
+        let ends = self.step.y1.iter().zip(&self.step.f1);
+        for (rated, (y, f)) in self.rated.iter_mut().zip(ends) {
+            *rated = Rated {
+                value: *y,
+                rate: *f,
+            };
+        }
+        self.rate_nets(self.step.t0_s + self.step.h_s);
+    }
+
+    /// Brings `rated` to the place `theta` of the step.
+    pub(super) fn rate_at(&mut self, theta: f64) {
+        self.step.dense_rated(theta, &mut self.rated);
+        self.step.evaluations += 1;
+        self.rate_nets(self.step.t0_s + theta * self.step.h_s);
+    }
+
+    /// The sides of what `rated` holds, into a node at `theta`.
+    pub(super) fn look_at_sides(&mut self, node: usize, theta: f64) {
+        let node = &mut self.nodes[node];
+        node.theta = theta;
+        sides(
+            &self.machine,
+            &self.frozen.region,
+            &self.rated,
+            &mut node.sides,
+        );
+    }
+
+    /// What rounding, and the tolerances if `tolerances`, leave undecided of each side at the
+    /// end of the step, into `doubts`.
+    fn find_doubts(&mut self, tolerances: bool) {
+        let rtol = if tolerances {
+            self.integration.rtol
+        } else {
+            ROUNDING
+        };
+        for (doubted, rated) in self.doubted.iter_mut().zip(&self.rated_start) {
+            *doubted = Doubted::constant(rated.value);
+        }
+        let ends = self.step.y1.iter().zip(&self.atol);
+        for (doubted, (y, atol)) in self.doubted.iter_mut().zip(ends) {
+            doubted.value = *y;
+            doubted.doubt = rtol * y.abs() + if tolerances { *atol } else { 0.0 };
+        }
+        let t_s = self.step.t0_s + self.step.h_s;
+        for op in &self.machine.watch {
+            self.machine
+                .evaluate(op, &self.frozen, t_s, &mut self.doubted);
+        }
+        let region = &self.frozen.region;
+        sides(&self.machine, region, &self.doubted, &mut self.doubts);
+        for side in &mut self.doubts {
+            if !side.doubt.is_finite() {
+                side.doubt = 0.0;
+            }
+        }
+    }
+
+    /// What an excursion between the ends of the step must exceed to be one.
+    pub(super) fn find_tolerated(&mut self) {
+        self.find_doubts(true);
+        for (tolerated, side) in self.tolerated.iter_mut().zip(&self.doubts) {
+            *tolerated = side.doubt;
+        }
+    }
+
+    /// What rounding alone can have made of the sides at the end of the step.
+    pub(super) fn find_noise(&mut self) {
+        self.find_doubts(false);
+        for (noise, side) in self.noise.iter_mut().zip(&self.doubts) {
+            *noise = side.doubt;
+        }
+    }
+
+    /// Before settling: an element whose signal is beyond its surface by rounding alone, while
+    /// it moves back, keeps its region unless something jumps.
+    pub(super) fn hold_what_returns(&mut self) {
+        self.frozen.held.fill(0.0);
+        let sides = self.machine.element_of_side.iter();
+        let values = self.nodes[super::search::START].sides.iter();
+        for ((e, side), noise) in sides.zip(values).zip(&self.noise) {
+            if side.value > 0.0 && !is_beyond(*side, *noise) {
+                let held = &mut self.frozen.held[*e as usize];
+                *held = held.max(*noise);
+            }
+        }
+    }
+}
+
+/// Whether a side is positive: what returns is so only by more than its rounding.
+#[inline(always)]
+pub(super) fn is_beyond(side: Rated, noise: f64) -> bool {
+    side.value > 0.0 && (side.rate >= 0.0 || side.value > noise)
+}
