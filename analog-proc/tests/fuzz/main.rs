@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 const DEADLINE: Duration = Duration::from_secs(20);
 
 /// Failures that are shrunk; the others are counted.
-const SHRUNK: usize = 40;
+const SHRUNK: u64 = 5;
 
 fn setting(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |v| v.parse().unwrap())
@@ -90,6 +90,37 @@ fn kinds(patch: &Patch) -> String {
     kinds.join("+")
 }
 
+/// The verdict on a patch, unless it takes longer than a second or so.
+fn soon(patch: &Patch, seed: u64) -> Option<Verdict> {
+    let (sender, receiver) = mpsc::channel();
+    let patch = patch.clone();
+    std::thread::spawn(move || sender.send(judge(&patch, seed)));
+    receiver.recv_timeout(Duration::from_secs(2)).ok()
+}
+
+/// The smallest patch that is wrong as the patch of `seed` is, with what differs.
+fn smallest(seed: u64, verdict: &Verdict) -> String {
+    let wrong = |verdict: &Verdict| match verdict {
+        Verdict::Wrong(text) => Some(text.clone()),
+        _ => None,
+    };
+    let text = wrong(verdict).unwrap_or_default();
+    // The same of the runs must stay wrong: another's cause may be another.
+    let what = text.split(':').next().unwrap_or_default();
+    let still = |p: &Patch| {
+        let text = soon(p, seed).as_ref().and_then(wrong);
+        text.filter(|t| t.starts_with(what))
+    };
+    let small = shrink::shrink(&generator::patch(seed), |p| still(p).is_some());
+    format!(
+        "# seed {seed}, until = {} s, kinds {}\n# {}\n{}",
+        small.until_s,
+        kinds(&small),
+        still(&small).unwrap_or(text.clone()),
+        small.text()
+    )
+}
+
 /// Reports verdicts; panics where one is wrong, or too many say nothing.
 fn report(verdicts: &BTreeMap<u64, Verdict>) {
     let count = |f: fn(&Verdict) -> bool| verdicts.values().filter(|v| f(v)).count();
@@ -103,7 +134,7 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
         count(|v| *v == Verdict::SameFault),
     );
     let endless = count(|v| *v == Verdict::Endless);
-    let mut wrong = 0;
+    let mut wrong = Vec::new();
     let out = std::env::var("FUZZ_OUT").ok();
     for (seed, verdict) in verdicts {
         if let Verdict::Refused(text) = verdict {
@@ -123,31 +154,17 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
         let Verdict::Wrong(text) = verdict else {
             continue;
         };
-        wrong += 1;
-        if wrong > setting("FUZZ_SHRINK", SHRUNK as u64) {
-            println!("seed {seed}: {text}");
-            continue;
-        }
-        let patch = generator::patch(*seed);
-        // The same of the runs must stay wrong: another's cause may be another.
-        let what = text.split(':').next().unwrap_or_default();
-        let fails =
-            |p: &Patch| matches!(judge(p, *seed), Verdict::Wrong(text) if text.starts_with(what));
-        let small = shrink::shrink(&patch, fails);
-        let Verdict::Wrong(text) = judge(&small, *seed) else {
-            continue;
-        };
-        let report = format!(
-            "# seed {seed}, until = {} s, kinds {}\n# {text}\n{}",
-            small.until_s,
-            kinds(&small),
-            small.text()
-        );
+        println!("seed {seed}: {text}");
+        wrong.push(*seed);
+    }
+    for seed in wrong.iter().take(setting("FUZZ_SHRINK", SHRUNK) as usize) {
+        let report = smallest(*seed, &verdicts[seed]);
         println!("{report}");
         if let Some(folder) = &out {
             std::fs::write(format!("{folder}/{seed}.toml"), report).unwrap();
         }
     }
+    let wrong = wrong.len();
     // Some patches are work without bound: a delayed map that folds its past ever finer.
     assert!(1000 * endless <= all, "{endless} of {all} do not end");
     assert_eq!(wrong, 0, "patches with silently wrong answers");
