@@ -259,7 +259,7 @@ impl Engine {
             line.aim(t_s, line.delay_s * 1e-3);
         }
         let before = self.inputs_of_lines();
-        self.hold_what_returns();
+        self.hold_what_leaves();
         let Engine {
             machine,
             frozen,

@@ -28,6 +28,12 @@ pub(crate) trait Signal:
     /// Angle of the vector (x, y) on the sheet in force, see [`arctangent`].
     fn angle(y: Self, x: Self, sheet: u32) -> Self;
 
+    /// The same, known to be rounded so many times.
+    #[inline(always)]
+    fn blurred(self, _roundings: f64) -> Self {
+        self
+    }
+
     #[inline(always)]
     fn sin(self) -> Self {
         self.sin_cos().0
@@ -311,6 +317,13 @@ impl Signal for Doubted {
 
     fn value(self) -> f64 {
         self.value
+    }
+
+    fn blurred(self, roundings: f64) -> Doubted {
+        Doubted {
+            value: self.value,
+            doubt: self.doubt + roundings * f64::EPSILON * self.value.abs(),
+        }
     }
 
     fn sin_cos(self) -> (Doubted, Doubted) {

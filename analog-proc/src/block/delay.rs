@@ -20,6 +20,9 @@ const GENERATIONS: u8 = 5;
 /// is what the tolerances leave.
 const CORNER: f64 = 1e-6;
 
+/// Roundings of the values between which the divided differences of a segment are formed.
+const ROUNDINGS: f64 = 16.0;
+
 /// A step passes over this many segments at most: each is as long as its input is smooth.
 const SEGMENTS_A_STEP: usize = 4;
 
@@ -37,6 +40,18 @@ impl Segment {
     /// The segment from `t0_s` on, `h_s` long, through the input at its start, middle and end.
     pub fn through(t0_s: f64, h_s: f64, [start, middle, end]: [Rated; 3]) -> Segment {
         let [d0, dm, d1] = [start, middle, end].map(|u| h_s * u.rate);
+        let rounding = ROUNDINGS * f64::EPSILON * start.value.abs();
+        if (end.value - start.value - d0).abs() <= rounding {
+            // So short that differences would tell of rounding alone.
+            let c = [start.value, d0, 0.0, 0.0, 0.0, 0.0];
+            let epoch = 0;
+            return Segment {
+                t0_s,
+                h_s,
+                epoch,
+                c,
+            };
+        }
         let (first, second) = (
             2.0 * (middle.value - start.value),
             2.0 * (end.value - middle.value),
@@ -127,7 +142,7 @@ impl DelayLine {
             return if s < -slack_s || s < first.t0_s - slack_s {
                 N::constant(self.initial)
             } else {
-                read(first, first.t0_s)
+                read(first, first.t0_s, t_s)
             };
         };
         let segment = &self.segments[i];
@@ -139,7 +154,7 @@ impl DelayLine {
         {
             i += 1;
         }
-        read(&self.segments[i], s)
+        read(&self.segments[i], s, t_s)
     }
 
     /// How far a step from `t_s` may go: what has been smooth when it went in comes out
@@ -202,15 +217,17 @@ impl DelayLine {
     }
 }
 
-fn read<N: Signal>(segment: &Segment, s: f64) -> N {
+/// The segment at the time `s` of its input, which comes out at `t_s`.
+fn read<N: Signal>(segment: &Segment, s: f64, t_s: f64) -> N {
     let theta = (s - segment.t0_s) / segment.h_s;
-    N::of_time(s, segment.at(theta), || {
+    let value = N::of_time(t_s, segment.at(theta), || {
         let moving = Rated {
             value: theta,
             rate: 1.0 / segment.h_s,
         };
         segment.at(moving).rate
-    })
+    });
+    value.blurred(ROUNDINGS)
 }
 
 #[cfg(test)]
@@ -233,6 +250,6 @@ mod tests {
     }
 
     fn read_rated(segment: &Segment, s: f64) -> Rated {
-        read(segment, s)
+        read(segment, s, s)
     }
 }
