@@ -104,7 +104,7 @@ fn a_parabola_crosses_a_table_of_two_variables() {
             + u * ((1.0 - v) * zs[i + 1][j] + v * zs[i + 1][j + 1])
     };
     let (wide, narrow) = ((0.5_f64 / 0.98).sqrt(), (0.001_f64 / 0.98).sqrt());
-    let mut corners = vec![
+    let mut corners = [
         0.0,
         1.0 - wide,
         1.0 - narrow,
