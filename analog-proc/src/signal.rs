@@ -28,9 +28,9 @@ pub(crate) trait Signal:
     /// Angle of the vector (x, y) on the sheet in force, see [`arctangent`].
     fn angle(y: Self, x: Self, sheet: u32) -> Self;
 
-    /// The same, known to be rounded so many times.
+    /// The same, known to be off by as much besides.
     #[inline(always)]
-    fn blurred(self, _roundings: f64) -> Self {
+    fn blurred(self, _doubt: f64) -> Self {
         self
     }
 
@@ -319,10 +319,10 @@ impl Signal for Doubted {
         self.value
     }
 
-    fn blurred(self, roundings: f64) -> Doubted {
+    fn blurred(self, doubt: f64) -> Doubted {
         Doubted {
             value: self.value,
-            doubt: self.doubt + roundings * f64::EPSILON * self.value.abs(),
+            doubt: self.doubt + doubt,
         }
     }
 

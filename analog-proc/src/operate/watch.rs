@@ -149,6 +149,9 @@ impl Engine {
         for (noise, side) in self.noise.iter_mut().zip(&self.doubts) {
             *noise = side.doubt;
         }
+        for line in &mut self.frozen.lines {
+            line.noise = line.input.of(&self.doubted).doubt;
+        }
     }
 
     /// Before settling: an element whose signal is within rounding of its surface and moves
