@@ -63,6 +63,8 @@ pub struct Machine {
     pub(crate) element_of_side: Vec<u32>,
     /// How often a step is halved at least before a side is judged.
     pub(crate) halvings: Vec<u8>,
+    /// Whether none is.
+    pub(crate) smooth: bool,
     /// Operations that those sides, the paces and the delay lines depend on.
     pub(crate) watch: Vec<Op>,
     /// What bounds the step by its own scale, and its block.

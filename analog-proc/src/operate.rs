@@ -70,9 +70,10 @@ pub(crate) struct Engine {
     nodes: Vec<Node>,
     /// Error of the cubic of each side, by depth of halving.
     errors: Vec<Vec<f64>>,
-    /// A sixth of the third derivative of each side in the step before, where it can be
-    /// compared (`followed`).
+    /// A sixth of the third derivative of each side, times the step cubed; and that of the
+    /// step before, where it can be compared (`followed`).
     thirds: Vec<f64>,
+    former_thirds: Vec<f64>,
     followed: bool,
     /// Sides that are not clear of their surfaces at once.
     active: Vec<u32>,
@@ -135,6 +136,7 @@ impl Engine {
             nodes: vec![node(0.0), node(1.0)],
             errors: vec![zeros()],
             thirds: zeros(),
+            former_thirds: zeros(),
             followed: false,
             active: Vec::with_capacity(sides),
             doubts: vec![Doubted::default(); sides],
@@ -257,7 +259,7 @@ impl Engine {
             line.aim(t_s, line.delay_s * 1e-3);
         }
         let before = self.inputs_of_lines();
-        self.hold_what_returns();
+        self.hold_what_leaves();
         let Engine {
             machine,
             frozen,

@@ -28,6 +28,12 @@ pub(crate) trait Signal:
     /// Angle of the vector (x, y) on the sheet in force, see [`arctangent`].
     fn angle(y: Self, x: Self, sheet: u32) -> Self;
 
+    /// The same, known to be off by as much besides.
+    #[inline(always)]
+    fn blurred(self, _doubt: f64) -> Self {
+        self
+    }
+
     #[inline(always)]
     fn sin(self) -> Self {
         self.sin_cos().0
@@ -311,6 +317,13 @@ impl Signal for Doubted {
 
     fn value(self) -> f64 {
         self.value
+    }
+
+    fn blurred(self, doubt: f64) -> Doubted {
+        Doubted {
+            value: self.value,
+            doubt: self.doubt + doubt,
+        }
     }
 
     fn sin_cos(self) -> (Doubted, Doubted) {

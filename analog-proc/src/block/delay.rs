@@ -20,6 +20,9 @@ const GENERATIONS: u8 = 5;
 /// is what the tolerances leave.
 const CORNER: f64 = 1e-6;
 
+/// A segment shorter than so many roundings of its time is a straight line.
+const SHORT: f64 = 4096.0;
+
 /// A step passes over this many segments at most: each is as long as its input is smooth.
 const SEGMENTS_A_STEP: usize = 4;
 
@@ -31,12 +34,24 @@ pub(crate) struct Segment {
     epoch: u32,
     /// Newton's divided differences over the places 0, 0, ½, ½, 1, 1 of the segment.
     c: [f64; 6],
+    /// The rate, where the segment is too short to have one of its own.
+    rate: Option<f64>,
 }
 
 impl Segment {
     /// The segment from `t0_s` on, `h_s` long, through the input at its start, middle and end.
     pub fn through(t0_s: f64, h_s: f64, [start, middle, end]: [Rated; 3]) -> Segment {
         let [d0, dm, d1] = [start, middle, end].map(|u| h_s * u.rate);
+        if h_s <= SHORT * f64::EPSILON * t0_s.abs() {
+            // Differences would tell of the rounding of time alone.
+            return Segment {
+                t0_s,
+                h_s,
+                epoch: 0,
+                c: [start.value, end.value - start.value, 0.0, 0.0, 0.0, 0.0],
+                rate: Some(start.rate),
+            };
+        }
         let (first, second) = (
             2.0 * (middle.value - start.value),
             2.0 * (end.value - middle.value),
@@ -50,6 +65,7 @@ impl Segment {
             h_s,
             epoch: 0,
             c: [start.value, d0, a, e, h, i - h],
+            rate: None,
         }
     }
 
@@ -74,6 +90,8 @@ pub(crate) struct DelayLine {
     pub initial: f64,
     /// The greatest magnitude that the input has had.
     pub largest: f64,
+    /// Rounding of the input, as last asked for.
+    pub noise: f64,
     segments: VecDeque<Segment>,
     breakpoints: VecDeque<(f64, u8)>,
     epoch: u32,
@@ -87,6 +105,7 @@ impl DelayLine {
             delay_s,
             initial,
             largest: 0.0,
+            noise: 0.0,
             segments: VecDeque::with_capacity(256),
             breakpoints: VecDeque::with_capacity(16),
             epoch: 0,
@@ -127,7 +146,7 @@ impl DelayLine {
             return if s < -slack_s || s < first.t0_s - slack_s {
                 N::constant(self.initial)
             } else {
-                read(first, first.t0_s)
+                read::<N>(first, first.t0_s, t_s).blurred(self.noise)
             };
         };
         let segment = &self.segments[i];
@@ -139,7 +158,7 @@ impl DelayLine {
         {
             i += 1;
         }
-        read(&self.segments[i], s)
+        read::<N>(&self.segments[i], s, t_s).blurred(self.noise)
     }
 
     /// How far a step from `t_s` may go: what has been smooth when it went in comes out
@@ -202,14 +221,15 @@ impl DelayLine {
     }
 }
 
-fn read<N: Signal>(segment: &Segment, s: f64) -> N {
+/// The segment at the time `s` of its input, which comes out at `t_s`.
+fn read<N: Signal>(segment: &Segment, s: f64, t_s: f64) -> N {
     let theta = (s - segment.t0_s) / segment.h_s;
-    N::of_time(s, segment.at(theta), || {
+    N::of_time(t_s, segment.at(theta), || {
         let moving = Rated {
             value: theta,
             rate: 1.0 / segment.h_s,
         };
-        segment.at(moving).rate
+        segment.rate.unwrap_or_else(|| segment.at(moving).rate)
     })
 }
 
@@ -233,6 +253,6 @@ mod tests {
     }
 
     fn read_rated(segment: &Segment, s: f64) -> Rated {
-        read(segment, s)
+        read(segment, s, s)
     }
 }

@@ -117,6 +117,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             watched: Vec::new(),
             element_of_side: Vec::new(),
             halvings: Vec::new(),
+            smooth: true,
             watch: Vec::new(),
             paces: Vec::new(),
             breakpoints: Vec::new(),
@@ -185,6 +186,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         let halvings = halvings(greatest.unwrap_or(1));
         m.halvings.extend(std::iter::repeat_n(halvings, sides));
     }
+    m.smooth = m.halvings.iter().all(|n| *n == 0);
     m.kernel = fold(&fast, &m.terms, &rates, m.slots);
     Ok(m)
 }

@@ -64,22 +64,42 @@ fn third(a: Rated, b: Rated, h: f64) -> f64 {
     2.0 * (a.value - b.value) + h * (a.rate + b.rate)
 }
 
+/// The greater of two defined numbers, without a branch.
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 impl Engine {
     /// The nodes between which the first crossing of the step lies, the crossing by
     /// then at the later one; `None` where the step crosses nothing.
     pub(super) fn exclude(&mut self, h_s: f64) -> Result<Option<(usize, usize)>, RunFault> {
-        self.active.clear();
         let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
-        let errors = &mut self.errors[0];
         let cube = h_s * h_s * h_s;
+        // Nearly every step is done with here: one pass without branches. What is undefined
+        // stays so in the sum.
+        let (mut greatest, mut undefined) = (f64::NEG_INFINITY, 0.0);
+        let thirds = self.thirds.iter_mut().zip(&self.former_thirds);
+        for ((a, b), (now, former)) in start.iter().zip(end).zip(thirds) {
+            *now = third(*a, *b, h_s);
+            let bulge = BULGE * CHANGE * (*now - cube * former).abs();
+            let [c0, c1, c2, c3, c4] = bernstein(*a, *b, h_s);
+            let ends = greater(greater(c0, c1), greater(c3, c4));
+            greatest = greater(greater(ends, c2 + bulge), greatest);
+            undefined += bulge * 0.0;
+        }
+        if greatest <= 0.0 && undefined == 0.0 && self.followed && self.machine.smooth {
+            return Ok(None);
+        }
+        self.active.clear();
+        let errors = &mut self.errors[0];
         for (i, (&a, &b)) in start.iter().zip(end).enumerate() {
-            let error = CHANGE * (third(a, b, h_s) - cube * self.thirds[i]).abs();
-            let [c0, c1, c2, c3, c4] = bernstein(a, b, h_s);
-            let greatest = c1.max(c3).max(c2 + BULGE * error).max(c0).max(c4);
-            errors[i] = error;
-            // What is undefined is not clear.
-            let sharp = self.machine.halvings[i] == 0 && self.followed;
-            if !(greatest <= 0.0 && error.is_finite() && sharp) {
+            errors[i] = CHANGE * (self.thirds[i] - cube * self.former_thirds[i]).abs();
+            let coefficients = bernstein(a, b, h_s);
+            let clear = coefficients.iter().all(|c| *c <= 0.0)
+                && coefficients[2] + BULGE * errors[i] <= 0.0
+                && self.machine.halvings[i] == 0;
+            if !(clear && self.followed) {
                 self.active.push(i as u32);
             }
         }
@@ -219,10 +239,11 @@ impl Engine {
     /// After a step was accepted: its end is the start of the next.
     pub(super) fn follow(&mut self) {
         let h_s = self.step.h_s;
-        let cube = h_s * h_s * h_s;
+        let per_cube = 1.0 / (h_s * h_s * h_s);
         let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
-        for (place, (&a, &b)) in self.thirds.iter_mut().zip(start.iter().zip(end)) {
-            *place = third(a, b, h_s) / cube;
+        let places = self.former_thirds.iter_mut();
+        for (place, (a, b)) in places.zip(start.iter().zip(end)) {
+            *place = third(*a, *b, h_s) * per_cube;
         }
         self.nodes.swap(START, END);
         self.nodes[START].theta = 0.0;

@@ -149,16 +149,19 @@ impl Engine {
         for (noise, side) in self.noise.iter_mut().zip(&self.doubts) {
             *noise = side.doubt;
         }
+        for line in &mut self.frozen.lines {
+            line.noise = line.input.of(&self.doubted).doubt;
+        }
     }
 
-    /// Before settling: an element whose signal is beyond its surface by rounding alone, while
-    /// it moves back, keeps its region unless something jumps.
-    pub(super) fn hold_what_returns(&mut self) {
+    /// Before settling: an element whose signal is within rounding of its surface and moves
+    /// away from it keeps its region, unless something jumps.
+    pub(super) fn hold_what_leaves(&mut self) {
         self.frozen.held.fill(0.0);
         let sides = self.machine.element_of_side.iter();
         let values = self.nodes[super::search::START].sides.iter();
         for ((e, side), noise) in sides.zip(values).zip(&self.noise) {
-            if side.value > 0.0 && !is_beyond(*side, *noise) {
+            if side.rate < 0.0 && side.value.abs() <= *noise {
                 let held = &mut self.frozen.held[*e as usize];
                 *held = held.max(*noise);
             }

@@ -38,6 +38,9 @@ const SLOW_YIELD: Duration = Duration::from_micros(50);
 /// Waits that go straight to sleep after a slow yield. A yield beside a busy program
 /// costs a slice of some milliseconds; once in so many waits that is microseconds each.
 const CROWDED_WAITS: u32 = 1000;
+/// The same after a slow yield that no other came shortly before: on idle processors,
+/// where sleeping is dear, one comes now and then by chance.
+const CROWDED_AT_FIRST: u32 = 125;
 
 /// One side's door, on a cache line (and its prefetched neighbour) of its own.
 #[derive(Debug, Default)]
@@ -93,6 +96,10 @@ pub struct Bell {
     side: Side,
     /// Waits that are still to go straight to sleep.
     crowded: Cell<u32>,
+    /// Waits since then that did not.
+    calm: Cell<u32>,
+    /// How many are to sleep after the next slow yield.
+    next: Cell<u32>,
 }
 
 impl Bell {
@@ -134,6 +141,8 @@ impl Bell {
             memory,
             side,
             crowded: Cell::new(0),
+            calm: Cell::new(0),
+            next: Cell::new(CROWDED_AT_FIRST),
         }
     }
 
@@ -200,10 +209,14 @@ impl Bell {
     /// A yield beside a busy program gives away a whole slice, thousands of times
     /// what a frame takes; a side that sleeps is scheduled as soon as it is rung. On
     /// idle processors it is the other way round, since one that has gone to sleep
-    /// wakes up slowly. So a slow yield decides, for the next [`CROWDED_WAITS`] waits.
+    /// wakes up slowly. So a slow yield decides, for the next waits; the sooner slow
+    /// yields follow each other, the more of them ([`CROWDED_WAITS`] at most).
     pub(super) fn crowded(&self) -> bool {
         let left = self.crowded.get();
         self.crowded.set(left.saturating_sub(1));
+        if left == 0 {
+            self.calm.set(self.calm.get().saturating_add(1));
+        }
         left > 0
     }
 
@@ -211,7 +224,12 @@ impl Bell {
     pub(super) fn yielded_for(&self, took: Duration) -> bool {
         let slow = took > SLOW_YIELD;
         if slow {
-            self.crowded.set(CROWDED_WAITS);
+            if self.calm.replace(0) > CROWDED_WAITS {
+                self.next.set(CROWDED_AT_FIRST);
+            }
+            let waits = self.next.get();
+            self.next.set((2 * waits).min(CROWDED_WAITS));
+            self.crowded.set(waits);
         }
         slow
     }
@@ -295,8 +313,14 @@ mod tests {
         let (bell, _partner) = Bell::pair();
         assert!(!bell.crowded());
         assert!(!bell.yielded_for(SLOW_YIELD));
+        let crowded = |waits: u32| (0..waits).filter(|_| bell.crowded()).count();
+        // Again and again while they come soon after each other, then from the start.
+        for sleeps in [125, 250, 500, 1000, 1000] {
+            assert!(bell.yielded_for(2 * SLOW_YIELD));
+            assert_eq!(crowded(CROWDED_WAITS + 10), sleeps);
+        }
+        assert_eq!(crowded(CROWDED_WAITS), 0);
         assert!(bell.yielded_for(2 * SLOW_YIELD));
-        let crowded = (0..2 * CROWDED_WAITS).filter(|_| bell.crowded()).count();
-        assert_eq!(crowded, CROWDED_WAITS as usize);
+        assert_eq!(crowded(CROWDED_WAITS), CROWDED_AT_FIRST as usize);
     }
 }
