@@ -16,8 +16,9 @@ use crate::random::Random;
 use analog_proc::fault::RunFault;
 use analog_proc::net::{Integration, Method, NetId};
 use analog_proc::order::Ordered;
-use analog_proc::simulation::Simulation;
+use analog_proc::simulation::{Pulse, Simulation};
 use interface::Tick;
+use std::ops::ControlFlow;
 
 /// Rows compared before the end.
 const ROWS: usize = 16;
@@ -30,6 +31,9 @@ const TOLERANCE: f64 = 1e-7;
 
 /// Agreement with looser tolerances and with the fixed steps of the second method.
 const COARSE: f64 = 3e-6;
+
+/// Derivative passes of one run: ten times what the reference's steps need.
+const MOST_PASSES: u64 = 1_000_000;
 
 /// Beyond this a patch is not well scaled, and not judged.
 const LARGEST: f64 = 1e5;
@@ -50,8 +54,8 @@ pub enum Verdict {
     Sensitive,
     /// Values too large, or a patch that the compiler refuses.
     Unfit(String),
-    /// Not done within the deadline.
-    Endless,
+    /// One of the runs takes work beyond all bounds.
+    Endless(String),
     /// Silently wrong.
     Wrong(String),
 }
@@ -65,8 +69,11 @@ struct Fault {
 
 fn fault(fault: &RunFault) -> Fault {
     let (kind, t_s) = match fault {
-        RunFault::NonFinite { t_s, .. } => ("singular", *t_s),
-        RunFault::StepUnderflow { t_s, .. } => ("singular", *t_s),
+        RunFault::NonFinite { t_s, .. }
+        | RunFault::StepUnderflow { t_s, .. }
+        | RunFault::TooQuick { t_s, .. }
+        | RunFault::NotFollowed { t_s, .. } => ("singular", *t_s),
+        RunFault::Halted { t_s } => ("endless", *t_s),
         RunFault::DividedByZero { t_s, .. } => ("divisor", *t_s),
         RunFault::NegativeRoot { t_s, .. } => ("root", *t_s),
         RunFault::LogicRace { t_s, .. } => ("race", *t_s),
@@ -88,8 +95,19 @@ fn simulate(ordered: &Ordered, integration: Integration, until_s: f64) -> Result
     let end = Tick::from_secs(until_s).unwrap();
     let every = Tick(end.0 / (ROWS as i64 + 1));
     let mut rows = Vec::with_capacity(ROWS + 1);
+    let mut sink = |_: f64, row: &[f64]| {
+        rows.push(row.to_vec());
+        ControlFlow::Continue(())
+    };
+    let mut bounded = |pulse: &Pulse| {
+        if pulse.statistics.evaluations > MOST_PASSES {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
     simulation
-        .advance_recording(end, every, &nets, |_, row| rows.push(row.to_vec()))
+        .advance_recording_attended(end, every, &nets, &mut sink, &mut bounded)
         .map_err(|f| fault(&f))?;
     rows.truncate(ROWS);
     rows.push(nets.iter().map(|n| simulation.net(*n)).collect());
@@ -180,6 +198,10 @@ fn against(
     felt: &mut impl FnMut() -> Sensitivity,
 ) -> Option<Verdict> {
     match (run, reference) {
+        // Fixed steps pass over singularities: they have no error to see them by,
+        // and what they make of the growth before is work without bound.
+        (_, Err(b)) if what == "second method" && b.kind == "singular" => None,
+        (Err(a), _) if a.kind == "endless" => Some(Verdict::Endless(format!("{what}: {}", a.text))),
         (Err(a), Err(b)) if same(a, b) => None,
         (Ok(a), Ok(b)) => {
             let differing = differing(a, b, relative);
@@ -209,8 +231,6 @@ fn against(
             }
             Some(Verdict::Wrong(text))
         }
-        // Fixed steps pass over singularities: they have no error to see them by.
-        (Ok(_), Err(b)) if what == "second method" && b.kind == "singular" => None,
         (a, b) => {
             let sensitivity = felt();
             let like = |run: &Result<(), Fault>, other: &Result<Rows, Fault>| match (run, other) {
@@ -254,6 +274,11 @@ pub fn judge(patch: &Patch, seed: u64) -> Verdict {
         && scales(rows).iter().any(|s| *s > LARGEST)
     {
         return Verdict::Unfit("too large".into());
+    }
+    if let Err(fault) = &reference
+        && fault.kind == "endless"
+    {
+        return Verdict::Endless(format!("reference: {}", fault.text));
     }
     let default = Integration::default();
     let second = if seed.is_multiple_of(8) {

@@ -72,7 +72,8 @@ fn judge_all(from: u64, count: u64, threads: usize) -> BTreeMap<u64, Verdict> {
                 let late = running.iter().find(|(_, since)| since.elapsed() > DEADLINE);
                 if let Some(seed) = late.map(|(seed, _)| *seed) {
                     running.remove(&seed);
-                    verdicts.insert(seed, Verdict::Endless);
+                    let verdict = Verdict::Endless("all: past its deadline".into());
+                    verdicts.insert(seed, verdict);
                     spawn();
                 }
             }
@@ -101,7 +102,7 @@ fn soon(patch: &Patch, seed: u64) -> Option<Verdict> {
 /// The smallest patch that is wrong as the patch of `seed` is, with what differs.
 fn smallest(seed: u64, verdict: &Verdict) -> String {
     let wrong = |verdict: &Verdict| match verdict {
-        Verdict::Wrong(text) => Some(text.clone()),
+        Verdict::Wrong(text) | Verdict::Endless(text) => Some(text.clone()),
         _ => None,
     };
     let text = wrong(verdict).unwrap_or_default();
@@ -133,8 +134,8 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
         count(|v| *v == Verdict::Agreed),
         count(|v| *v == Verdict::SameFault),
     );
-    let endless = count(|v| *v == Verdict::Endless);
-    let mut wrong = Vec::new();
+    let endless = count(|v| matches!(v, Verdict::Endless(_)));
+    let (mut wrong, mut unbounded) = (Vec::new(), Vec::new());
     let out = std::env::var("FUZZ_OUT").ok();
     for (seed, verdict) in verdicts {
         if let Verdict::Refused(text) = verdict {
@@ -145,19 +146,18 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
         {
             println!("seed {seed} unfit: {text}");
         }
-        if *verdict == Verdict::Endless {
-            println!(
-                "seed {seed} does not end:\n{}",
-                generator::patch(*seed).text()
-            );
-        }
-        let Verdict::Wrong(text) = verdict else {
+        let (Verdict::Wrong(text) | Verdict::Endless(text)) = verdict else {
             continue;
         };
         println!("seed {seed}: {text}");
-        wrong.push(*seed);
+        if matches!(verdict, Verdict::Wrong(_)) {
+            wrong.push(*seed);
+        } else {
+            unbounded.push(*seed);
+        }
     }
-    for seed in wrong.iter().take(setting("FUZZ_SHRINK", SHRUNK) as usize) {
+    let most = setting("FUZZ_SHRINK", SHRUNK) as usize;
+    for seed in wrong.iter().take(most).chain(unbounded.iter().take(most)) {
         let report = smallest(*seed, &verdicts[seed]);
         println!("{report}");
         if let Some(folder) = &out {

@@ -30,7 +30,7 @@ impl Random {
 
     /// As evenly spread on a logarithmic scale.
     pub fn decade(&mut self, low: f64, high: f64) -> f64 {
-        (self.between(low.ln(), high.ln())).exp()
+        libm::exp(self.between(libm::log(low), libm::log(high)))
     }
 
     pub fn below(&mut self, n: usize) -> usize {

@@ -29,13 +29,13 @@ impl Signal {
         let waves = self
             .waves
             .iter()
-            .map(|w| w.amplitude * (w.rate * t + w.phase).sin());
+            .map(|w| w.amplitude * libm::sin(w.rate * t + w.phase));
         let [a, b, c, d] = self.cubic;
         waves.sum::<f64>() + a + t * (b + t * (c + t * d))
     }
 
     fn slope(&self, t: f64) -> f64 {
-        let rates = |w: &Wave| w.amplitude * w.rate * (w.rate * t + w.phase).cos();
+        let rates = |w: &Wave| w.amplitude * w.rate * libm::cos(w.rate * t + w.phase);
         let [_, b, c, d] = self.cubic;
         self.waves.iter().map(rates).sum::<f64>() + b + t * (2.0 * c + t * 3.0 * d)
     }
@@ -143,7 +143,7 @@ fn lines(signal: &Signal, random: &mut Random) -> String {
                 );
             }
             _ => {
-                let (s, c) = phase.sin_cos();
+                let (s, c) = libm::sincos(*phase);
                 text += &format!(
                     "s{i} = {{ kind = \"integrator\", in = [\"{rate:?} * c{i}\"], ic = {s:?} }}\nc{i} = {{ kind = \"integrator\", in = [\"-{rate:?} * s{i}\"], ic = {c:?} }}\n"
                 );

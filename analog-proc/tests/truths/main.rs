@@ -4,7 +4,7 @@
 //! bounds its step. What is counted must be exact. What is integrated is compared at 1e-8
 //! relative, the claim of the default settings, unless a test says otherwise.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::disallowed_methods)]
 
 #[path = "../common/bench.rs"]
 mod bench;
