@@ -154,17 +154,13 @@ impl Engine {
         }
     }
 
-    /// Before settling: an element whose signal is within rounding of its surface and moves
-    /// away from it keeps its region, unless something jumps.
+    /// Before settling: a signal that is within rounding of a surface and moves away from it has
+    /// not crossed it, unless something jumps.
     pub(super) fn hold_what_leaves(&mut self) {
-        self.frozen.held.fill(0.0);
-        let sides = self.machine.element_of_side.iter();
         let values = self.nodes[super::search::START].sides.iter();
-        for ((e, side), noise) in sides.zip(values).zip(&self.noise) {
-            if side.rate < 0.0 && side.value.abs() <= *noise {
-                let held = &mut self.frozen.held[*e as usize];
-                *held = held.max(*noise);
-            }
+        for ((held, side), noise) in self.frozen.held.iter_mut().zip(values).zip(&self.noise) {
+            let leaves = side.rate < 0.0 && side.value.abs() <= *noise;
+            *held = if leaves { *noise } else { 0.0 };
         }
     }
 }
