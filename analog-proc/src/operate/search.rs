@@ -106,7 +106,7 @@ impl Engine {
         if self.active.is_empty() {
             return Ok(None);
         }
-        self.find_noise();
+        self.noise_known = false;
         self.probes = 0;
         self.tolerated_known = false;
         if self.followed {
@@ -198,8 +198,8 @@ impl Engine {
     fn verdict(&mut self, a: usize, b: usize, depth: usize, h_s: f64) -> Verdict {
         let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
         let (mut crossed, mut grazed) = (false, None);
-        for &i in &self.active {
-            let i = i as usize;
+        for k in 0..self.active.len() {
+            let i = self.active[k] as usize;
             if depth < usize::from(self.machine.halvings[i]) {
                 return Verdict::Unknown;
             }
@@ -207,10 +207,17 @@ impl Engine {
             let [c0, c1, c2, c3, c4] = bernstein(low, high, width_s);
             let bulge = BULGE * self.errors[depth][i];
             let inside = c1.max(c2 + bulge).max(c3);
+            let is_number = (inside + bulge).is_finite();
+            if inside <= 0.0 && c0 <= 0.0 && c4 <= 0.0 && is_number {
+                continue;
+            }
+            if !self.noise_known {
+                self.find_noise();
+                self.noise_known = true;
+            }
             let within = self.within(i, false, depth);
             let noise = self.noise[i];
             let crossed_at = |node| self.is_side_crossed(i, node, depth);
-            let is_number = (inside + bulge).is_finite();
             let is_end_crossed = crossed_at(b);
             if !crossed_at(a) && inside <= within.max(noise) && !is_end_crossed && is_number {
                 if inside > 0.0 && depth >= SHARP_DEPTH {
