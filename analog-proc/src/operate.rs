@@ -74,6 +74,7 @@ pub(crate) struct Engine {
     /// step before, where it can be compared (`followed`).
     thirds: Vec<f64>,
     former_thirds: Vec<f64>,
+    former_cube: f64,
     followed: bool,
     former_region: Vec<u32>,
     /// Sides that are not clear of their surfaces at once.
@@ -139,6 +140,7 @@ impl Engine {
             errors: vec![zeros()],
             thirds: zeros(),
             former_thirds: zeros(),
+            former_cube: 1.0,
             followed: false,
             former_region: vec![0; machine.elements.len()],
             active: Vec::with_capacity(sides),

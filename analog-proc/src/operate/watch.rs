@@ -27,13 +27,15 @@ fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [
     for &e in &machine.watched {
         let element = &machine.elements[e as usize].1;
         let (own, others) = rest.split_at_mut(element.side_count());
-        own.fill(N::constant(ABSENT));
         let mut own = own.iter_mut();
         element.sides(region[e as usize], machine, nets, &mut |side| {
             if let Some(place) = own.next() {
                 *place = side;
             }
         });
+        for place in own {
+            *place = N::constant(ABSENT);
+        }
         rest = others;
     }
 }
