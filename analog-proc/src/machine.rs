@@ -59,7 +59,9 @@ pub struct Machine {
     pub(crate) elements: Vec<(BlockId, Piecewise)>,
     /// Elements whose inputs vary within a step.
     pub(crate) watched: Vec<u32>,
-    /// The element of each of their sides.
+    /// The first side of each element, where it is watched.
+    pub(crate) first_side: Vec<Option<u32>>,
+    /// The element of each side of the watched.
     pub(crate) element_of_side: Vec<u32>,
     /// How often a step is halved at least before a side is judged.
     pub(crate) halvings: Vec<u8>,
@@ -92,7 +94,7 @@ pub struct Machine {
 #[derive(Clone, Debug)]
 pub(crate) struct Frozen {
     pub region: Vec<u32>,
-    /// What each element's signal must pass its surface by to count at this settling.
+    /// What each watched side must exceed to count at this settling.
     pub held: Vec<f64>,
     /// Present piece of each element.
     pub piece: Vec<Piece>,
@@ -143,7 +145,7 @@ impl Machine {
     pub(crate) fn frozen(&self) -> Frozen {
         Frozen {
             region: vec![UNSET; self.elements.len()],
-            held: vec![0.0; self.elements.len()],
+            held: vec![0.0; self.element_of_side.len()],
             piece: vec![Piece::default(); self.elements.len()],
             pieces: self.initial_pieces.clone(),
             holds: self.dac_channels.iter().map(|d| Hold::at(d.1)).collect(),

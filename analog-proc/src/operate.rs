@@ -74,12 +74,15 @@ pub(crate) struct Engine {
     /// step before, where it can be compared (`followed`).
     thirds: Vec<f64>,
     former_thirds: Vec<f64>,
+    former_cube: f64,
     followed: bool,
+    former_region: Vec<u32>,
     /// Sides that are not clear of their surfaces at once.
     active: Vec<u32>,
     doubts: Vec<Doubted>,
     /// What rounding alone can have made of each side.
     noise: Vec<f64>,
+    noise_known: bool,
     /// What an excursion within the step must exceed, where asked for.
     tolerated: Vec<f64>,
     tolerated_known: bool,
@@ -137,10 +140,13 @@ impl Engine {
             errors: vec![zeros()],
             thirds: zeros(),
             former_thirds: zeros(),
+            former_cube: 1.0,
             followed: false,
+            former_region: vec![0; machine.elements.len()],
             active: Vec::with_capacity(sides),
             doubts: vec![Doubted::default(); sides],
             noise: zeros(),
+            noise_known: false,
             tolerated: zeros(),
             tolerated_known: false,
             probes: 0,
@@ -200,7 +206,13 @@ impl Engine {
     /// Settles what the digital side has set.
     pub fn apply(&mut self, initial: bool) -> Result<(), RunFault> {
         self.load_functions();
-        self.settle(initial, Some(0))
+        let followed = self.followed;
+        self.former_region.copy_from_slice(&self.frozen.region);
+        self.settle(initial, Some(0))?;
+        // Where no region was left, the sides are what they were, and their third derivatives
+        // before tell how much these vary.
+        self.followed = followed && self.former_region == self.frozen.region;
+        Ok(())
     }
 
     fn load_functions(&mut self) {

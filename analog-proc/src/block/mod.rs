@@ -115,6 +115,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             initial_nets: vec![0.0; slots as usize],
             elements: Vec::new(),
             watched: Vec::new(),
+            first_side: Vec::new(),
             element_of_side: Vec::new(),
             halvings: Vec::new(),
             smooth: true,
@@ -179,8 +180,10 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         .filter_map(|(op, seen)| seen.then_some(*op))
         .collect();
     let degree = degrees(&fast, &m.terms, m.slots);
+    m.first_side = vec![None; m.elements.len()];
     for (e, reads) in m.watched.iter().zip(&read_by) {
         let sides = m.elements[*e as usize].1.side_count();
+        m.first_side[*e as usize] = Some(m.element_of_side.len() as u32);
         m.element_of_side.extend(std::iter::repeat_n(*e, sides));
         let greatest = reads.iter().map(|slot| degree[*slot as usize]).max();
         let halvings = halvings(greatest.unwrap_or(1));

@@ -196,16 +196,16 @@ impl Piecewise {
         }
     }
 
-    /// The greatest of the sides; the region is kept while it is not positive.
-    fn margin(&self, region: u32, m: &Machine, nets: &[f64]) -> f64 {
-        let mut margin = f64::NEG_INFINITY;
+    /// Whether the region is kept: no side is positive, but for what is held.
+    fn keeps(&self, e: usize, region: u32, m: &Machine, f: &Frozen, nets: &[f64]) -> bool {
+        let held = m.first_side[e].map_or(&[][..], |first| &f.held[first as usize..]);
+        let mut held = held.iter();
+        let mut kept = true;
         self.sides(region, m, nets, &mut |side: f64| {
             // What is undefined is not kept.
-            if side > margin || side.is_nan() {
-                margin = side;
-            }
+            kept &= side <= held.next().copied().unwrap_or(0.0);
         });
-        margin
+        kept
     }
 
     /// The net that an overload witness watches.
@@ -240,7 +240,7 @@ impl Piecewise {
         if let Some(region) = known
             && !matches!(self, Piecewise::Stops(_))
             && !(sharp && self.has_allowance())
-            && self.margin(region, m, nets) <= f.held[e]
+            && self.keeps(e, region, m, f, nets)
         {
             // A digital function may have new ordinates in the same region.
             if let Piecewise::Curve(curve) = self {

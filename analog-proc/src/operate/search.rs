@@ -76,13 +76,14 @@ impl Engine {
     pub(super) fn exclude(&mut self, h_s: f64) -> Result<Option<(usize, usize)>, RunFault> {
         let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
         let cube = h_s * h_s * h_s;
+        let scale = cube / self.former_cube;
         // Nearly every step is done with here: one pass without branches. What is undefined
         // stays so in the sum.
         let (mut greatest, mut undefined) = (f64::NEG_INFINITY, 0.0);
         let thirds = self.thirds.iter_mut().zip(&self.former_thirds);
         for ((a, b), (now, former)) in start.iter().zip(end).zip(thirds) {
             *now = third(*a, *b, h_s);
-            let bulge = BULGE * CHANGE * (*now - cube * former).abs();
+            let bulge = BULGE * CHANGE * (*now - scale * former).abs();
             let [c0, c1, c2, c3, c4] = bernstein(*a, *b, h_s);
             let ends = greater(greater(c0, c1), greater(c3, c4));
             greatest = greater(greater(ends, c2 + bulge), greatest);
@@ -94,7 +95,7 @@ impl Engine {
         self.active.clear();
         let errors = &mut self.errors[0];
         for (i, (&a, &b)) in start.iter().zip(end).enumerate() {
-            errors[i] = CHANGE * (self.thirds[i] - cube * self.former_thirds[i]).abs();
+            errors[i] = CHANGE * (self.thirds[i] - scale * self.former_thirds[i]).abs();
             let coefficients = bernstein(a, b, h_s);
             let clear = coefficients.iter().all(|c| *c <= 0.0)
                 && coefficients[2] + BULGE * errors[i] <= 0.0
@@ -106,7 +107,7 @@ impl Engine {
         if self.active.is_empty() {
             return Ok(None);
         }
-        self.find_noise();
+        self.noise_known = false;
         self.probes = 0;
         self.tolerated_known = false;
         if self.followed {
@@ -198,8 +199,8 @@ impl Engine {
     fn verdict(&mut self, a: usize, b: usize, depth: usize, h_s: f64) -> Verdict {
         let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
         let (mut crossed, mut grazed) = (false, None);
-        for &i in &self.active {
-            let i = i as usize;
+        for k in 0..self.active.len() {
+            let i = self.active[k] as usize;
             if depth < usize::from(self.machine.halvings[i]) {
                 return Verdict::Unknown;
             }
@@ -207,10 +208,17 @@ impl Engine {
             let [c0, c1, c2, c3, c4] = bernstein(low, high, width_s);
             let bulge = BULGE * self.errors[depth][i];
             let inside = c1.max(c2 + bulge).max(c3);
+            let is_number = (inside + bulge).is_finite();
+            if inside <= 0.0 && c0 <= 0.0 && c4 <= 0.0 && is_number {
+                continue;
+            }
+            if !self.noise_known {
+                self.find_noise();
+                self.noise_known = true;
+            }
             let within = self.within(i, false, depth);
             let noise = self.noise[i];
             let crossed_at = |node| self.is_side_crossed(i, node, depth);
-            let is_number = (inside + bulge).is_finite();
             let is_end_crossed = crossed_at(b);
             if !crossed_at(a) && inside <= within.max(noise) && !is_end_crossed && is_number {
                 if inside > 0.0 && depth >= SHARP_DEPTH {
@@ -236,15 +244,18 @@ impl Engine {
         }
     }
 
-    /// After a step was accepted: its end is the start of the next.
-    pub(super) fn follow(&mut self) {
+    /// After a step was accepted, `cut` if it was not searched as it is now: its end is the
+    /// start of the next.
+    pub(super) fn follow(&mut self, cut: bool) {
         let h_s = self.step.h_s;
-        let per_cube = 1.0 / (h_s * h_s * h_s);
-        let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
-        let places = self.former_thirds.iter_mut();
-        for (place, (a, b)) in places.zip(start.iter().zip(end)) {
-            *place = third(*a, *b, h_s) * per_cube;
+        if cut {
+            let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
+            for (place, (a, b)) in self.thirds.iter_mut().zip(start.iter().zip(end)) {
+                *place = third(*a, *b, h_s);
+            }
         }
+        std::mem::swap(&mut self.thirds, &mut self.former_thirds);
+        self.former_cube = h_s * h_s * h_s;
         self.nodes.swap(START, END);
         self.nodes[START].theta = 0.0;
         self.nodes[END].theta = 1.0;

@@ -165,7 +165,7 @@ impl Engine {
         let crossed = self.find_crossing(end_s)?;
         let end_s = crossed.map_or(end_s, |c| c.0);
         self.complete(end_s);
-        self.finish(end_s, recorder)?;
+        self.finish(end_s, crossed.is_some(), recorder)?;
         if let Some((_, Some(element))) = crossed {
             self.statistics.events += 1;
             self.count_chatter(element)?;
@@ -206,7 +206,12 @@ impl Engine {
     }
 
     /// Accepts the step that ends at `end_s` with what `nets` now hold.
-    fn finish(&mut self, end_s: f64, recorder: Option<&mut Recorder<'_>>) -> Result<(), RunFault> {
+    fn finish(
+        &mut self,
+        end_s: f64,
+        cut: bool,
+        recorder: Option<&mut Recorder<'_>>,
+    ) -> Result<(), RunFault> {
         self.statistics.steps += 1;
         let (t0_s, h_s) = (self.t_s, self.step.h_s);
         if let Some(recorder) = recorder {
@@ -215,7 +220,7 @@ impl Engine {
                 recorder.record(&self.probe);
             }
         }
-        self.follow();
+        self.follow(cut);
         self.size_up(false);
         std::mem::swap(&mut self.rated_start, &mut self.rated);
         if !self.frozen.lines.is_empty() {

@@ -27,13 +27,15 @@ fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [
     for &e in &machine.watched {
         let element = &machine.elements[e as usize].1;
         let (own, others) = rest.split_at_mut(element.side_count());
-        own.fill(N::constant(ABSENT));
         let mut own = own.iter_mut();
         element.sides(region[e as usize], machine, nets, &mut |side| {
             if let Some(place) = own.next() {
                 *place = side;
             }
         });
+        for place in own {
+            *place = N::constant(ABSENT);
+        }
         rest = others;
     }
 }
@@ -154,17 +156,13 @@ impl Engine {
         }
     }
 
-    /// Before settling: an element whose signal is within rounding of its surface and moves
-    /// away from it keeps its region, unless something jumps.
+    /// Before settling: a signal that is within rounding of a surface and moves away from it has
+    /// not crossed it, unless something jumps.
     pub(super) fn hold_what_leaves(&mut self) {
-        self.frozen.held.fill(0.0);
-        let sides = self.machine.element_of_side.iter();
         let values = self.nodes[super::search::START].sides.iter();
-        for ((e, side), noise) in sides.zip(values).zip(&self.noise) {
-            if side.rate < 0.0 && side.value.abs() <= *noise {
-                let held = &mut self.frozen.held[*e as usize];
-                *held = held.max(*noise);
-            }
+        for ((held, side), noise) in self.frozen.held.iter_mut().zip(values).zip(&self.noise) {
+            let leaves = side.rate < 0.0 && side.value.abs() <= *noise;
+            *held = if leaves { *noise } else { 0.0 };
         }
     }
 }
