@@ -87,6 +87,7 @@ pub(crate) struct Engine {
     tolerated: Vec<f64>,
     tolerated_known: bool,
     probes: u32,
+    cuts: u32,
     margins: Vec<f64>,
     margins_low: Vec<f64>,
     margins_high: Vec<f64>,
@@ -150,6 +151,7 @@ impl Engine {
             tolerated: zeros(),
             tolerated_known: false,
             probes: 0,
+            cuts: 0,
             margins: zeros(),
             margins_low: zeros(),
             margins_high: zeros(),
@@ -184,7 +186,7 @@ impl Engine {
         self.t_s = 0.0;
         self.statistics = Statistics::default();
         self.step.evaluations = 0;
-        (self.grazes, self.first_graze) = (0, None);
+        (self.grazes, self.first_graze, self.cuts) = (0, None, 0);
         self.overloads.clear();
         self.happenings = Happenings::default();
         self.chatter = 0;

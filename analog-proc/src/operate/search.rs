@@ -25,6 +25,9 @@ pub(super) const END: usize = 1;
 /// Places looked at within a step before it counts as one that cannot be followed.
 const MOST_PROBES: u32 = 5000;
 
+/// Cuts on end.
+const MOST_CUTS: u32 = 1000;
+
 /// For a quartic the change of the third derivative over two neighbouring steps, in units of
 /// the step, is at least 32 times the greatest error of the cubic; a quarter of it is taken.
 const CHANGE: f64 = 0.125;
@@ -260,6 +263,16 @@ impl Engine {
         self.nodes[START].theta = 0.0;
         self.nodes[END].theta = 1.0;
         self.followed = true;
+    }
+
+    /// Steps on end that were cut where the dense output crosses a surface and the method does
+    /// not: beyond some, the output tells nothing of the solution.
+    pub(super) fn count_cuts(&mut self, cut: bool) -> Result<(), RunFault> {
+        self.cuts = if cut { self.cuts + 1 } else { 0 };
+        if self.cuts > MOST_CUTS {
+            return Err(self.not_followed());
+        }
+        Ok(())
     }
 
     fn not_followed(&self) -> RunFault {

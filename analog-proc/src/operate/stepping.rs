@@ -163,6 +163,7 @@ impl Engine {
             end_s = self.end_of(h_s, target_s, room_s);
         }
         let crossed = self.find_crossing(end_s)?;
+        self.count_cuts(matches!(crossed, Some((_, None))))?;
         let end_s = crossed.map_or(end_s, |c| c.0);
         self.complete(end_s);
         self.finish(end_s, crossed.is_some(), recorder)?;

@@ -14,6 +14,9 @@ const ABSENT: f64 = -1e300;
 /// Rounding of a state that was reached by steps of different length, in parts of it.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// Roundings of what a delay line's divided differences are formed of.
+const DIFFERENCES: f64 = 16.0;
+
 /// The sides of all watched regions at one instant of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
@@ -152,7 +155,8 @@ impl Engine {
             *noise = side.doubt;
         }
         for line in &mut self.frozen.lines {
-            line.noise = line.input.of(&self.doubted).doubt;
+            let input: Doubted = line.input.of(&self.doubted);
+            line.noise = input.doubt + DIFFERENCES * f64::EPSILON * line.largest;
         }
     }
 
