@@ -21,6 +21,7 @@ pub mod net;
 mod op;
 mod operate;
 pub mod order;
+pub mod outlook;
 pub mod overload;
 pub mod patch;
 pub mod record;

@@ -29,7 +29,8 @@ use crate::block::dac::Hold;
 use crate::block::pace::Paces;
 use crate::event::Happenings;
 use crate::fault::RunFault;
-use crate::integrate::{Scheme, Step};
+use crate::integrate::jacobian::jacobian;
+use crate::integrate::{Scheme, Step, System};
 use crate::machine::{Frozen, Machine};
 use crate::net::{BlockId, Integration, NetId, OverloadPolicy};
 use crate::overload::LatchedOverload;
@@ -37,6 +38,7 @@ use crate::remark::Remark;
 use crate::signal::{Doubted, Rated};
 use crate::simulation::Statistics;
 use instants::resolution_s;
+use nalgebra::DMatrix;
 use watch::Node;
 
 /// The running state.
@@ -304,6 +306,23 @@ impl Engine {
         Ok(())
     }
 
+    /// Derivatives of the rates by the states as they are, per second, regions frozen.
+    pub fn jacobian(&mut self) -> DMatrix<f64> {
+        let n = self.step.y0.len();
+        let mut matrix = DMatrix::zeros(n, n);
+        let (mut origin, mut moved) = (vec![0.0; n], vec![0.0; n]);
+        let system = System {
+            machine: &self.machine,
+            frozen: &self.frozen,
+            atol: &self.atol,
+            rtol: self.integration.rtol,
+        };
+        let room = [&mut origin[..], &mut moved[..]];
+        let (t_s, y0, nets) = (self.t_s, &self.step.y0, &mut self.probe);
+        jacobian(system, t_s, y0, nets, room, &mut matrix);
+        matrix
+    }
+
     /// What is to be said of the run so far.
     pub fn remarks(&self) -> Vec<Remark> {
         let machine = &self.machine;
@@ -326,6 +345,14 @@ impl Engine {
         lines.map(|line| line.input.of(&self.rated_start)).collect()
     }
 
+    /// Asks the attendant, where it is time to.
+    fn heed(&self, heed: &mut Heed<'_>) -> Result<(), RunFault> {
+        if heed.is_due(self.step.evaluations) && heed.ask(&self.pulse()).is_break() {
+            return Err(RunFault::Halted { t_s: self.t_s });
+        }
+        Ok(())
+    }
+
     /// Operates until `stop_s`, or until an overload or the attendant stops it.
     pub fn operate(
         &mut self,
@@ -334,9 +361,7 @@ impl Engine {
         heed: &mut Heed<'_>,
     ) -> Result<Option<LatchedOverload>, RunFault> {
         while self.t_s < stop_s {
-            if heed.is_due(self.step.evaluations) && heed.ask(&self.pulse()).is_break() {
-                return Err(RunFault::Halted { t_s: self.t_s });
-            }
+            self.heed(heed)?;
             let known = self.overloads.len();
             let mut target_s = stop_s.min(self.next_instant_s());
             if !self.scheme.adaptive() {
@@ -345,7 +370,7 @@ impl Engine {
             if target_s - self.t_s <= resolution_s(self.t_s) {
                 self.t_s = self.t_s.max(target_s);
             } else {
-                self.advance_once(target_s, recorder.as_deref_mut())?;
+                self.advance_once(target_s, recorder.as_deref_mut(), heed)?;
             }
             if self.next_instant_s() <= self.t_s {
                 let mut generation = None;

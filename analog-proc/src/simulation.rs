@@ -19,6 +19,7 @@ use crate::net::{BlockId, Expected, Integration, Method, NetId, OverloadPolicy};
 pub use crate::operate::{Attendant, Pulse, Sink};
 use crate::operate::{Engine, Heed, Recorder};
 use crate::order::Ordered;
+use crate::outlook;
 use crate::overload::LatchedOverload;
 use crate::remark::Remark;
 
@@ -404,6 +405,13 @@ impl Simulation {
             each(number, self);
         }
         Ok(())
+    }
+
+    /// What the patch's settings make of a run from the present state.
+    #[must_use]
+    pub fn outlook(&mut self) -> Vec<outlook::Warning> {
+        let Integration { method, step_s, .. } = self.engine.integration;
+        outlook::warnings(&self.engine.jacobian(), method, step_s)
     }
 
     /// What the reader of the results should know, since the last reset.

@@ -46,6 +46,7 @@ impl Check {
         let Compiled { ordered, hash } = self.patch.compile()?;
         let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
         let lines = static_check(&ordered, &mut simulation).map_err(Failure::input)?;
+        let warnings = simulation.outlook();
         let disagree = lines.iter().filter(|l| !l.agrees).count();
         let count =
             |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
@@ -60,6 +61,7 @@ impl Check {
                 "integrators": integrators,
                 "logic": logic,
                 "static-check": lines,
+                "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
             });
             say!("{report:#}");
         } else {
@@ -70,6 +72,9 @@ impl Check {
             );
             for line in &lines {
                 say!("  static check {}", describe(line));
+            }
+            for warning in &warnings {
+                say!("  warning: {warning}");
             }
         }
         if disagree > 0 {

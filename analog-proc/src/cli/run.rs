@@ -99,6 +99,10 @@ impl Run {
                 _ => Failure::input(text),
             }
         })?;
+        let remarks = simulation.remarks();
+        for remark in &remarks {
+            note!("remark: {remark}");
+        }
         if advance.stopped_by.is_some() {
             note!(
                 "the run ended at {} by the patch's overload policy",
@@ -108,7 +112,7 @@ impl Run {
         let s = simulation.statistics();
         let to_file = self.out.as_os_str() != "-";
         if self.patch.json {
-            let report = serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads });
+            let report = serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads, "remarks": remarks.iter().map(ToString::to_string).collect::<Vec<_>>() });
             // Standard output may be taken by the record.
             if to_file {
                 say!("{report}");

@@ -13,6 +13,7 @@
 
 mod dormand_prince;
 mod euler;
+pub(crate) mod jacobian;
 mod runge_kutta4;
 mod sdirk4;
 

@@ -9,6 +9,7 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
+use super::jacobian::jacobian;
 use super::{Step, System};
 
 const GAMMA: f64 = 0.25;
@@ -182,27 +183,10 @@ impl Sdirk4 {
     }
 
     fn form_jacobian(&mut self, system: System, step: &mut Step, nets: &mut [f64]) {
-        let n = step.y0.len();
-        nets[..n].copy_from_slice(&step.y0);
-        let (machine, frozen) = (system.machine, system.frozen);
-        let mut origin = std::mem::take(&mut self.scratch);
-        machine.derivatives(frozen, step.t0_s, nets, &mut origin);
-        for j in 0..n {
-            // Half the digits: balances rounding against curvature.
-            let scale = step.y0[j]
-                .abs()
-                .max(system.atol[j] / system.rtol.max(f64::EPSILON));
-            let delta = f64::EPSILON.sqrt() * scale.max(f64::MIN_POSITIVE.sqrt());
-            let moved = step.y0[j] + delta;
-            nets[j] = moved;
-            machine.derivatives(frozen, step.t0_s, nets, &mut self.base);
-            for i in 0..n {
-                self.jacobian[(i, j)] = (self.base[i] - origin[i]) / (moved - step.y0[j]);
-            }
-            nets[j] = step.y0[j];
-        }
-        step.evaluations += n as u64 + 1;
-        self.scratch = origin;
+        let room = [&mut self.scratch[..], &mut self.base[..]];
+        let (t_s, y0) = (step.t0_s, &step.y0);
+        jacobian(system, t_s, y0, nets, room, &mut self.jacobian);
+        step.evaluations += y0.len() as u64 + 1;
         self.fresh = true;
         self.lu = None;
     }

@@ -1,7 +1,7 @@
 //! Attention while integrating: somebody is asked whether to go on.
 //!
 //! The engine does no I/O and reads no clock or signal. It asks whoever had it started,
-//! between two steps, once some thousand derivative passes are done since it was asked
+//! between two attempts at a step, once some thousand derivative passes are done since it was asked
 //! last ([`WORK`]); rejected attempts and the probes for crossings count. An answer ends
 //! a run or leaves it as it is, to the last bit.
 

@@ -1,7 +1,7 @@
 //! One step: its length by the error controller, its end by the stop or an event.
 
 use super::instants::resolution_s;
-use super::{Engine, Recorder};
+use super::{Engine, Heed, Recorder};
 use crate::fault::RunFault;
 use crate::integrate::System;
 
@@ -110,6 +110,7 @@ impl Engine {
         &mut self,
         target_s: f64,
         recorder: Option<&mut Recorder<'_>>,
+        heed: &mut Heed<'_>,
     ) -> Result<(), RunFault> {
         let room_s = target_s - self.t_s;
         let adaptive = self.scheme.adaptive();
@@ -149,6 +150,7 @@ impl Engine {
                 }
                 0.5
             };
+            self.heed(heed)?;
             rejected = true;
             self.statistics.rejected += 1;
             h_s = shrink * h_s.min(step_s);
