@@ -165,8 +165,12 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
         }
     }
     let wrong = wrong.len();
-    // Some patches are work without bound: a delayed map that folds its past ever finer.
-    assert!(1000 * endless <= all, "{endless} of {all} do not end");
+    // Some patches are work without bound: sines of what runs away, a delayed map that folds
+    // its past ever finer.
+    assert!(
+        500 * endless <= all.max(500),
+        "{endless} of {all} do not end"
+    );
     assert_eq!(wrong, 0, "patches with silently wrong answers");
     assert!(
         100 * sensitive < 3 * all.max(34),
