@@ -93,7 +93,11 @@ impl Engine {
 
     /// Brings `rated` to the place `theta` of the step.
     pub(super) fn rate_at(&mut self, theta: f64) {
-        self.step.dense_rated(theta, &mut self.rated);
+        let moving = Rated {
+            value: theta,
+            rate: 1.0 / self.step.h_s,
+        };
+        self.step.dense(moving, &mut self.rated);
         self.step.evaluations += 1;
         self.rate_nets(self.step.t0_s + theta * self.step.h_s);
     }
