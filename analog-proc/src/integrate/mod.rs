@@ -19,7 +19,7 @@ mod sdirk4;
 
 use crate::machine::{Frozen, Machine};
 use crate::net::Method;
-use crate::signal::Rated;
+use crate::signal::Signal;
 
 /// Right-hand side with everything frozen that changes only at events.
 #[derive(Clone, Copy)]
@@ -69,40 +69,18 @@ impl Step {
         std::mem::swap(&mut self.f0, &mut self.f1);
     }
 
-    /// y at `t0 + theta·h`, written to `out`.
-    pub fn dense(&self, theta: f64, out: &mut [f64]) {
+    /// y at `t0 + theta·h`, written to `out`; with its rate where `theta` has one.
+    pub fn dense<N: Signal>(&self, theta: N, out: &mut [N]) {
         let n = self.y0.len();
         let (y0, y1, f0, f1) = (&self.y0[..n], &self.y1[..n], &self.f0[..n], &self.f1[..n]);
         let (quartic, out) = (&self.quartic[..n], &mut out[..n]);
-        let rest = 1.0 - theta;
+        let rest = N::constant(1.0) - theta;
         for i in 0..n {
             let rise = y1[i] - y0[i];
             let start = self.h_s * f0[i] - rise;
             let end = rise - self.h_s * f1[i] - start;
-            out[i] = y0[i] + theta * (rise + rest * (start + theta * (end + rest * quartic[i])));
-        }
-    }
-
-    /// As [`Step::dense`], with the rates.
-    pub fn dense_rated(&self, theta: f64, out: &mut [Rated]) {
-        let n = self.y0.len();
-        let (y0, y1, f0, f1) = (&self.y0[..n], &self.y1[..n], &self.f0[..n], &self.f1[..n]);
-        let (quartic, out) = (&self.quartic[..n], &mut out[..n]);
-        let rest = 1.0 - theta;
-        for i in 0..n {
-            let rise = y1[i] - y0[i];
-            let start = self.h_s * f0[i] - rise;
-            let end = rise - self.h_s * f1[i] - start;
-            // Horner's scheme and its derivative, from the innermost bracket out.
-            let inner = end + rest * quartic[i];
-            let middle = start + theta * inner;
-            let slope = inner - theta * quartic[i];
-            let outer = rise + rest * middle;
-            let slope = rest * slope - middle;
-            out[i] = Rated {
-                value: y0[i] + theta * outer,
-                rate: (outer + theta * slope) / self.h_s,
-            };
+            let inner = N::constant(start) + theta * (N::constant(end) + rest * quartic[i]);
+            out[i] = N::constant(y0[i]) + theta * (N::constant(rise) + rest * inner);
         }
     }
 

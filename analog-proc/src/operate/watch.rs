@@ -17,29 +17,56 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Roundings of what a delay line's divided differences are formed of.
 const DIFFERENCES: f64 = 16.0;
 
-/// The sides of all watched regions at one instant of a step.
+/// The sides of all watched regions at one instant of a step, values and rates apart: nearly
+/// every step is searched by one pass over these arrays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
     /// Its place in the step, 0 to 1.
     pub theta: f64,
-    pub sides: Vec<Rated>,
+    pub values: Vec<f64>,
+    pub rates: Vec<f64>,
 }
 
-fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [N]) {
-    let mut rest = sides;
+impl Node {
+    pub fn new(theta: f64, sides: usize) -> Node {
+        Node {
+            theta,
+            values: vec![0.0; sides],
+            rates: vec![0.0; sides],
+        }
+    }
+
+    #[inline(always)]
+    pub fn side(&self, i: usize) -> Rated {
+        Rated {
+            value: self.values[i],
+            rate: self.rates[i],
+        }
+    }
+
+    fn look<'a>(&'a mut self, machine: &Machine, region: &[u32], nets: &[Rated]) {
+        let (values, rates) = (&mut self.values, &mut self.rates);
+        sides(machine, region, nets, |i, side: Rated| {
+            values[i] = side.value;
+            rates[i] = side.rate;
+        });
+    }
+}
+
+/// Calls `put` with every side and its number.
+fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], mut put: impl FnMut(usize, N)) {
+    let mut first = 0;
     for &e in &machine.watched {
         let element = &machine.elements[e as usize].1;
-        let (own, others) = rest.split_at_mut(element.side_count());
-        let mut own = own.iter_mut();
+        let (mut i, end) = (first, first + element.side_count());
         element.sides(region[e as usize], machine, nets, &mut |side| {
-            if let Some(place) = own.next() {
-                *place = side;
-            }
+            put(i, side);
+            i += 1;
         });
-        for place in own {
-            *place = N::constant(ABSENT);
+        for absent in i..end {
+            put(absent, N::constant(ABSENT));
         }
-        rest = others;
+        first = end;
     }
 }
 
@@ -62,7 +89,7 @@ impl Engine {
         self.followed = false;
         let region = &self.frozen.region;
         let start = &mut self.nodes[super::search::START];
-        sides(&self.machine, region, &self.rated_start, &mut start.sides);
+        start.look(&self.machine, region, &self.rated_start);
         self.look_at_paces();
     }
 
@@ -93,7 +120,11 @@ impl Engine {
 
     /// Brings `rated` to the place `theta` of the step.
     pub(super) fn rate_at(&mut self, theta: f64) {
-        self.step.dense_rated(theta, &mut self.rated);
+        let moving = Rated {
+            value: theta,
+            rate: 1.0 / self.step.h_s,
+        };
+        self.step.dense(moving, &mut self.rated);
         self.step.evaluations += 1;
         self.rate_nets(self.step.t0_s + theta * self.step.h_s);
     }
@@ -102,12 +133,7 @@ impl Engine {
     pub(super) fn look_at_sides(&mut self, node: usize, theta: f64) {
         let node = &mut self.nodes[node];
         node.theta = theta;
-        sides(
-            &self.machine,
-            &self.frozen.region,
-            &self.rated,
-            &mut node.sides,
-        );
+        node.look(&self.machine, &self.frozen.region, &self.rated);
     }
 
     /// What rounding, and the tolerances if `tolerances`, leave undecided of each side at the
@@ -131,29 +157,26 @@ impl Engine {
             self.machine
                 .evaluate(op, &self.frozen, t_s, &mut self.doubted);
         }
-        let region = &self.frozen.region;
-        sides(&self.machine, region, &self.doubted, &mut self.doubts);
-        for side in &mut self.doubts {
-            if !side.doubt.is_finite() {
-                side.doubt = 0.0;
-            }
-        }
+        let (region, doubts) = (&self.frozen.region, &mut self.doubts);
+        sides(&self.machine, region, &self.doubted, |i, side: Doubted| {
+            doubts[i] = if side.doubt.is_finite() {
+                side.doubt
+            } else {
+                0.0
+            };
+        });
     }
 
     /// What an excursion between the ends of the step must exceed to be one.
     pub(super) fn find_tolerated(&mut self) {
         self.find_doubts(true);
-        for (tolerated, side) in self.tolerated.iter_mut().zip(&self.doubts) {
-            *tolerated = side.doubt;
-        }
+        std::mem::swap(&mut self.tolerated, &mut self.doubts);
     }
 
     /// What rounding alone can have made of the sides at the end of the step.
     pub(super) fn find_noise(&mut self) {
         self.find_doubts(false);
-        for (noise, side) in self.noise.iter_mut().zip(&self.doubts) {
-            *noise = side.doubt;
-        }
+        std::mem::swap(&mut self.noise, &mut self.doubts);
         for line in &mut self.frozen.lines {
             let input: Doubted = line.input.of(&self.doubted);
             line.noise = input.doubt + DIFFERENCES * f64::EPSILON * line.largest;
@@ -163,8 +186,9 @@ impl Engine {
     /// Before settling: a signal that is within rounding of a surface and moves away from it has
     /// not crossed it, unless something jumps.
     pub(super) fn hold_what_leaves(&mut self) {
-        let values = self.nodes[super::search::START].sides.iter();
-        for ((held, side), noise) in self.frozen.held.iter_mut().zip(values).zip(&self.noise) {
+        let start = &self.nodes[super::search::START];
+        for (i, (held, noise)) in self.frozen.held.iter_mut().zip(&self.noise).enumerate() {
+            let side = start.side(i);
             let leaves = side.rate < 0.0 && side.value.abs() <= *noise;
             *held = if leaves { *noise } else { 0.0 };
         }
