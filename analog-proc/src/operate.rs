@@ -81,8 +81,7 @@ pub(crate) struct Engine {
     former_region: Vec<u32>,
     /// Sides that are not clear of their surfaces at once.
     active: Vec<u32>,
-    /// Room for what is left undecided of each side.
-    doubts: Vec<f64>,
+    doubts: Vec<Doubted>,
     /// What rounding alone can have made of each side.
     noise: Vec<f64>,
     noise_known: bool,
@@ -118,6 +117,10 @@ impl Engine {
     pub fn new(machine: Machine, integration: Integration) -> Engine {
         let (states, slots) = (machine.states, machine.slots);
         let sides = machine.element_of_side.len();
+        let node = |theta: f64| Node {
+            theta,
+            sides: vec![Rated::default(); sides],
+        };
         let zeros = || vec![0.0; sides];
         Engine {
             frozen: machine.frozen(),
@@ -136,7 +139,7 @@ impl Engine {
             rated_start: vec![Rated::default(); slots],
             rated: vec![Rated::default(); slots],
             doubted: vec![Doubted::default(); slots],
-            nodes: vec![Node::new(0.0, sides), Node::new(1.0, sides)],
+            nodes: vec![node(0.0), node(1.0)],
             errors: vec![zeros()],
             thirds: zeros(),
             former_thirds: zeros(),
@@ -144,7 +147,7 @@ impl Engine {
             followed: false,
             former_region: vec![0; machine.elements.len()],
             active: Vec::with_capacity(sides),
-            doubts: zeros(),
+            doubts: vec![Doubted::default(); sides],
             noise: zeros(),
             noise_known: false,
             tolerated: zeros(),

@@ -16,10 +16,9 @@ const PROBES: usize = 250;
 impl Engine {
     /// The sides at a node; what is beyond its surface by rounding alone is at it.
     fn margins_at(&self, node: usize, margins: &mut [f64]) {
-        let node = &self.nodes[node];
-        for (i, (margin, noise)) in margins.iter_mut().zip(&self.noise).enumerate() {
-            let side = node.side(i);
-            let is_noise = side.value > 0.0 && !is_beyond(side, *noise);
+        let places = margins.iter_mut().zip(&self.nodes[node].sides);
+        for ((margin, side), noise) in places.zip(&self.noise) {
+            let is_noise = side.value > 0.0 && !is_beyond(*side, *noise);
             *margin = if is_noise { 0.0 } else { side.value };
         }
     }

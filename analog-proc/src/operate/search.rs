@@ -35,9 +35,6 @@ const CHANGE: f64 = 0.125;
 /// The bulge's only Bernstein coefficient, of degree four, in units of the error in the middle.
 const BULGE: f64 = 16.0 / 6.0;
 
-/// Sides judged side by side.
-const LANES: usize = 4;
-
 /// Halvings before tolerance is asked.
 const SHARP_DEPTH: usize = 2;
 
@@ -80,15 +77,27 @@ impl Engine {
     /// The nodes between which the first crossing of the step lies, the crossing by
     /// then at the later one; `None` where the step crosses nothing.
     pub(super) fn exclude(&mut self, h_s: f64) -> Result<Option<(usize, usize)>, RunFault> {
+        let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
         let cube = h_s * h_s * h_s;
         let scale = cube / self.former_cube;
-        if self.clears_at_once(h_s, scale) && self.followed && self.machine.smooth {
+        // Nearly every step is done with here: one pass without branches. What is undefined
+        // stays so in the sum.
+        let (mut greatest, mut undefined) = (f64::NEG_INFINITY, 0.0);
+        let thirds = self.thirds.iter_mut().zip(&self.former_thirds);
+        for ((a, b), (now, former)) in start.iter().zip(end).zip(thirds) {
+            *now = third(*a, *b, h_s);
+            let bulge = BULGE * CHANGE * (*now - scale * former).abs();
+            let [c0, c1, c2, c3, c4] = bernstein(*a, *b, h_s);
+            let ends = greater(greater(c0, c1), greater(c3, c4));
+            greatest = greater(greater(ends, c2 + bulge), greatest);
+            undefined += bulge * 0.0;
+        }
+        if greatest <= 0.0 && undefined == 0.0 && self.followed && self.machine.smooth {
             return Ok(None);
         }
         self.active.clear();
         let errors = &mut self.errors[0];
-        for i in 0..errors.len() {
-            let (a, b) = (self.nodes[START].side(i), self.nodes[END].side(i));
+        for (i, (&a, &b)) in start.iter().zip(end).enumerate() {
             errors[i] = CHANGE * (self.thirds[i] - scale * self.former_thirds[i]).abs();
             let coefficients = bernstein(a, b, h_s);
             let clear = coefficients.iter().all(|c| *c <= 0.0)
@@ -112,38 +121,6 @@ impl Engine {
             }
         }
         self.split(START, END, 0, h_s)
-    }
-
-    /// Whether no side comes near its surface in the step: nearly always, so it is one pass over
-    /// the arrays without a branch, in lanes. Leaves the third derivatives of the step.
-    fn clears_at_once(&mut self, h_s: f64, scale: f64) -> bool {
-        let (start, end) = (&self.nodes[START], &self.nodes[END]);
-        let n = self.thirds.len();
-        let (a, b) = (&start.values[..n], &end.values[..n]);
-        let (da, db) = (&start.rates[..n], &end.rates[..n]);
-        let (thirds, former) = (&mut self.thirds[..n], &self.former_thirds[..n]);
-        let mut greatest = [f64::NEG_INFINITY; LANES];
-        // What is undefined stays so in the sum.
-        let mut undefined = [0.0; LANES];
-        let mut judge = |i: usize, lane: usize| {
-            let [a, b] = [(a[i], da[i]), (b[i], db[i])].map(|(value, rate)| Rated { value, rate });
-            thirds[i] = third(a, b, h_s);
-            let bulge = BULGE * CHANGE * (thirds[i] - scale * former[i]).abs();
-            let [c0, c1, c2, c3, c4] = bernstein(a, b, h_s);
-            let ends = greater(greater(c0, c1), greater(c3, c4));
-            greatest[lane] = greater(greater(ends, c2 + bulge), greatest[lane]);
-            undefined[lane] += bulge * 0.0;
-        };
-        let whole = n - n % LANES;
-        for i in (0..whole).step_by(LANES) {
-            for lane in 0..LANES {
-                judge(i + lane, lane);
-            }
-        }
-        for i in whole..n {
-            judge(i, 0);
-        }
-        greatest.iter().all(|g| *g <= 0.0) && undefined.iter().sum::<f64>() == 0.0
     }
 
     /// Halves an interval of which too little is known.
@@ -174,7 +151,7 @@ impl Engine {
         let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
         for &i in &self.active {
             let i = i as usize;
-            let [low, mid, high] = [a, middle, b].map(|n| self.nodes[n].side(i));
+            let [low, mid, high] = [a, middle, b].map(|n| self.nodes[n].sides[i]);
             let (d0, d1) = (width_s * low.rate, width_s * high.rate);
             let value = 0.5 * (low.value + high.value) + 0.125 * (d0 - d1);
             let slope = 1.5 * (high.value - low.value) - 0.25 * (d0 + d1);
@@ -209,7 +186,7 @@ impl Engine {
     /// Whether a side is beyond its surface at a node: between the ends of the step by more
     /// than the tolerances can have made.
     fn is_side_crossed(&self, i: usize, node: usize, depth: usize) -> bool {
-        let side = self.nodes[node].side(i);
+        let side = self.nodes[node].sides[i];
         is_beyond(side, self.noise[i]) && side.value > self.within(i, node <= END, depth)
     }
 
@@ -230,7 +207,7 @@ impl Engine {
             if depth < usize::from(self.machine.halvings[i]) {
                 return Verdict::Unknown;
             }
-            let (low, high) = (self.nodes[a].side(i), self.nodes[b].side(i));
+            let (low, high) = (self.nodes[a].sides[i], self.nodes[b].sides[i]);
             let [c0, c1, c2, c3, c4] = bernstein(low, high, width_s);
             let bulge = BULGE * self.errors[depth][i];
             let inside = c1.max(c2 + bulge).max(c3);
@@ -275,9 +252,9 @@ impl Engine {
     pub(super) fn follow(&mut self, cut: bool) {
         let h_s = self.step.h_s;
         if cut {
-            for i in 0..self.thirds.len() {
-                let (a, b) = (self.nodes[START].side(i), self.nodes[END].side(i));
-                self.thirds[i] = third(a, b, h_s);
+            let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
+            for (place, (a, b)) in self.thirds.iter_mut().zip(start.iter().zip(end)) {
+                *place = third(*a, *b, h_s);
             }
         }
         std::mem::swap(&mut self.thirds, &mut self.former_thirds);

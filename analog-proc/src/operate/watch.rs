@@ -17,56 +17,29 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Roundings of what a delay line's divided differences are formed of.
 const DIFFERENCES: f64 = 16.0;
 
-/// The sides of all watched regions at one instant of a step, values and rates apart: nearly
-/// every step is searched by one pass over these arrays.
+/// The sides of all watched regions at one instant of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
     /// Its place in the step, 0 to 1.
     pub theta: f64,
-    pub values: Vec<f64>,
-    pub rates: Vec<f64>,
+    pub sides: Vec<Rated>,
 }
 
-impl Node {
-    pub fn new(theta: f64, sides: usize) -> Node {
-        Node {
-            theta,
-            values: vec![0.0; sides],
-            rates: vec![0.0; sides],
-        }
-    }
-
-    #[inline(always)]
-    pub fn side(&self, i: usize) -> Rated {
-        Rated {
-            value: self.values[i],
-            rate: self.rates[i],
-        }
-    }
-
-    fn look<'a>(&'a mut self, machine: &Machine, region: &[u32], nets: &[Rated]) {
-        let (values, rates) = (&mut self.values, &mut self.rates);
-        sides(machine, region, nets, |i, side: Rated| {
-            values[i] = side.value;
-            rates[i] = side.rate;
-        });
-    }
-}
-
-/// Calls `put` with every side and its number.
-fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], mut put: impl FnMut(usize, N)) {
-    let mut first = 0;
+fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [N]) {
+    let mut rest = sides;
     for &e in &machine.watched {
         let element = &machine.elements[e as usize].1;
-        let (mut i, end) = (first, first + element.side_count());
+        let (own, others) = rest.split_at_mut(element.side_count());
+        let mut own = own.iter_mut();
         element.sides(region[e as usize], machine, nets, &mut |side| {
-            put(i, side);
-            i += 1;
+            if let Some(place) = own.next() {
+                *place = side;
+            }
         });
-        for absent in i..end {
-            put(absent, N::constant(ABSENT));
+        for place in own {
+            *place = N::constant(ABSENT);
         }
-        first = end;
+        rest = others;
     }
 }
 
@@ -89,7 +62,7 @@ impl Engine {
         self.followed = false;
         let region = &self.frozen.region;
         let start = &mut self.nodes[super::search::START];
-        start.look(&self.machine, region, &self.rated_start);
+        sides(&self.machine, region, &self.rated_start, &mut start.sides);
         self.look_at_paces();
     }
 
@@ -133,7 +106,12 @@ impl Engine {
     pub(super) fn look_at_sides(&mut self, node: usize, theta: f64) {
         let node = &mut self.nodes[node];
         node.theta = theta;
-        node.look(&self.machine, &self.frozen.region, &self.rated);
+        sides(
+            &self.machine,
+            &self.frozen.region,
+            &self.rated,
+            &mut node.sides,
+        );
     }
 
     /// What rounding, and the tolerances if `tolerances`, leave undecided of each side at the
@@ -157,26 +135,29 @@ impl Engine {
             self.machine
                 .evaluate(op, &self.frozen, t_s, &mut self.doubted);
         }
-        let (region, doubts) = (&self.frozen.region, &mut self.doubts);
-        sides(&self.machine, region, &self.doubted, |i, side: Doubted| {
-            doubts[i] = if side.doubt.is_finite() {
-                side.doubt
-            } else {
-                0.0
-            };
-        });
+        let region = &self.frozen.region;
+        sides(&self.machine, region, &self.doubted, &mut self.doubts);
+        for side in &mut self.doubts {
+            if !side.doubt.is_finite() {
+                side.doubt = 0.0;
+            }
+        }
     }
 
     /// What an excursion between the ends of the step must exceed to be one.
     pub(super) fn find_tolerated(&mut self) {
         self.find_doubts(true);
-        std::mem::swap(&mut self.tolerated, &mut self.doubts);
+        for (tolerated, side) in self.tolerated.iter_mut().zip(&self.doubts) {
+            *tolerated = side.doubt;
+        }
     }
 
     /// What rounding alone can have made of the sides at the end of the step.
     pub(super) fn find_noise(&mut self) {
         self.find_doubts(false);
-        std::mem::swap(&mut self.noise, &mut self.doubts);
+        for (noise, side) in self.noise.iter_mut().zip(&self.doubts) {
+            *noise = side.doubt;
+        }
         for line in &mut self.frozen.lines {
             let input: Doubted = line.input.of(&self.doubted);
             line.noise = input.doubt + DIFFERENCES * f64::EPSILON * line.largest;
@@ -186,9 +167,8 @@ impl Engine {
     /// Before settling: a signal that is within rounding of a surface and moves away from it has
     /// not crossed it, unless something jumps.
     pub(super) fn hold_what_leaves(&mut self) {
-        let start = &self.nodes[super::search::START];
-        for (i, (held, noise)) in self.frozen.held.iter_mut().zip(&self.noise).enumerate() {
-            let side = start.side(i);
+        let values = self.nodes[super::search::START].sides.iter();
+        for ((held, side), noise) in self.frozen.held.iter_mut().zip(values).zip(&self.noise) {
             let leaves = side.rate < 0.0 && side.value.abs() <= *noise;
             *held = if leaves { *noise } else { 0.0 };
         }
