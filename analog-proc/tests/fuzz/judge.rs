@@ -38,7 +38,7 @@ const MOST_PASSES: u64 = 1_000_000;
 /// Beyond this a patch is not well scaled, and not judged.
 const LARGEST: f64 = 1e5;
 
-/// All nets at some instants, the end last.
+/// All nets at some instants, from the start to the end.
 type Rows = Vec<Vec<f64>>;
 
 /// How a patch was judged.
@@ -94,7 +94,9 @@ fn simulate(ordered: &Ordered, integration: Integration, until_s: f64) -> Result
     let mut simulation = Simulation::new(&ordered).map_err(|f| fault(&f))?;
     let end = Tick::from_secs(until_s).unwrap();
     let every = Tick(end.0 / (ROWS as i64 + 1));
-    let mut rows = Vec::with_capacity(ROWS + 1);
+    // The start among them: what decays is measured by what it was.
+    let mut rows = Vec::with_capacity(ROWS + 2);
+    rows.push(nets.iter().map(|n| simulation.net(*n)).collect());
     let mut sink = |_: f64, row: &[f64]| {
         rows.push(row.to_vec());
         ControlFlow::Continue(())
@@ -109,7 +111,7 @@ fn simulate(ordered: &Ordered, integration: Integration, until_s: f64) -> Result
     simulation
         .advance_recording_attended(end, every, &nets, &mut sink, &mut bounded)
         .map_err(|f| fault(&f))?;
-    rows.truncate(ROWS);
+    rows.truncate(ROWS + 1);
     rows.push(nets.iter().map(|n| simulation.net(*n)).collect());
     Ok(rows)
 }
@@ -246,7 +248,7 @@ fn against(
             }
             let mut text = format!("{what}:");
             for net in wrong.iter().take(6) {
-                let (a, b) = (a[ROWS][*net], b[ROWS][*net]);
+                let (a, b) = (a[ROWS + 1][*net], b[ROWS + 1][*net]);
                 text += &format!(
                     " {} = {a:?} instead of {b:?} (differs by up to {:.2e}, sensitive to {:.1e});",
                     names[*net], differences[*net], sensitivity.nets[*net]
