@@ -89,15 +89,17 @@ impl Engine {
         if last_s != located_s {
             self.crossed_at(located_s, true);
         }
-        let crossed = self.margins_high.iter().position(|g| *g > 0.0);
-        let element = crossed.map(|i| self.machine.element_of_side[i]);
-        if let Some(e) = element {
-            let (block, piecewise) = self.machine.elements[e as usize];
-            if let Some(fault) = piecewise.fatal() {
-                return Err(fatal(&self.machine, block, fault, located_s));
+        let mut first = None;
+        for (margin, e) in self.margins_high.iter().zip(&self.machine.element_of_side) {
+            if *margin > 0.0 {
+                let (block, piecewise) = self.machine.elements[*e as usize];
+                if let Some(fault) = piecewise.fatal() {
+                    return Err(fatal(&self.machine, block, fault, located_s));
+                }
+                first = first.or(Some(*e));
             }
         }
-        Ok(Some((located_s, element)))
+        Ok(Some((located_s, first)))
     }
 
     /// Narrows a bracket whose lower end is not crossed (`margins_low`) and whose upper

@@ -6,7 +6,7 @@ use crate::block::delay::Segment;
 use crate::signal::Rated;
 
 /// Halvings of a step; a corner that is none of a region (the root of zero) ends there.
-const MOST_HALVINGS: u32 = 12;
+const MOST_HALVINGS: u32 = 8;
 
 /// A relative tolerance below rounding asks for nothing more.
 const LEAST_RTOL: f64 = 1e-14;
