@@ -343,6 +343,19 @@ pub(crate) fn degrees(ops: &[Op], terms: &[Term], slots: usize) -> Vec<u32> {
     degree
 }
 
+/// The greatest degree of what each net goes into.
+pub(crate) fn powers(ops: &[Op], terms: &[Term], degree: &[u32]) -> Vec<u32> {
+    let mut power = degree.to_vec();
+    for op in ops.iter().rev() {
+        let mut of = 1;
+        op.drives(|slot| of = of.max(power[slot as usize]));
+        op.reads(terms, |slot| {
+            power[slot as usize] = power[slot as usize].max(of)
+        });
+    }
+    power
+}
+
 /// Which of the operations, in order of evaluation, the nets `wanted` depend on.
 pub(crate) fn behind(ops: &[Op], terms: &[Term], wanted: &[Slot], slots: usize) -> Vec<bool> {
     let mut needed = vec![false; slots];

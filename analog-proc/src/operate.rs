@@ -58,6 +58,10 @@ pub(crate) struct Engine {
     /// Absolute tolerance of each state, and the greatest magnitude that it has had.
     pub atol: Vec<f64>,
     pub largest: Vec<f64>,
+    /// Whether a state has come back from its greatest magnitude.
+    turned: Vec<bool>,
+    /// The greatest magnitude of a net while some state only grew.
+    greatest: f64,
     pub integration: Integration,
     pub t_s: f64,
     /// Proposal of the controller, kept over truncated steps.
@@ -82,12 +86,6 @@ pub(crate) struct Engine {
     /// Sides that are not clear of their surfaces at once.
     active: Vec<u32>,
     doubts: Vec<Doubted>,
-    /// What rounding alone can have made of each side.
-    noise: Vec<f64>,
-    noise_known: bool,
-    /// What an excursion within the step must exceed, where asked for.
-    tolerated: Vec<f64>,
-    tolerated_known: bool,
     probes: u32,
     cuts: u32,
     margins: Vec<f64>,
@@ -97,9 +95,6 @@ pub(crate) struct Engine {
     past: Vec<Rated>,
     pub happenings: Happenings,
     pub overloads: Vec<LatchedOverload>,
-    /// Touches of a surface that were not taken for switchings; the first, with its element.
-    grazes: u64,
-    first_graze: Option<(f64, u32)>,
     pub chatter_from_s: f64,
     pub chatter: u32,
     pub statistics: Statistics,
@@ -120,6 +115,7 @@ impl Engine {
         let node = |theta: f64| Node {
             theta,
             sides: vec![Rated::default(); sides],
+            noise: vec![0.0; sides],
         };
         let zeros = || vec![0.0; sides];
         Engine {
@@ -132,6 +128,8 @@ impl Engine {
             scheme: Scheme::new(integration.method, states),
             atol: vec![0.0; states],
             largest: vec![0.0; states],
+            turned: vec![false; states],
+            greatest: 0.0,
             integration,
             t_s: 0.0,
             next_step_s: 0.0,
@@ -148,10 +146,6 @@ impl Engine {
             former_region: vec![0; machine.elements.len()],
             active: Vec::with_capacity(sides),
             doubts: vec![Doubted::default(); sides],
-            noise: zeros(),
-            noise_known: false,
-            tolerated: zeros(),
-            tolerated_known: false,
             probes: 0,
             cuts: 0,
             margins: zeros(),
@@ -161,8 +155,6 @@ impl Engine {
             past: Vec::new(),
             happenings: Happenings::default(),
             overloads: Vec::new(),
-            grazes: 0,
-            first_graze: None,
             chatter_from_s: 0.0,
             chatter: 0,
             statistics: Statistics::default(),
@@ -188,15 +180,17 @@ impl Engine {
         self.t_s = 0.0;
         self.statistics = Statistics::default();
         self.step.evaluations = 0;
-        (self.grazes, self.first_graze, self.cuts) = (0, None, 0);
+        self.cuts = 0;
+        for node in &mut self.nodes {
+            node.noise.fill(0.0);
+        }
         self.overloads.clear();
         self.happenings = Happenings::default();
         self.chatter = 0;
         self.chatter_from_s = 0.0;
         self.former_error = 1e-4;
         self.paces.reset();
-        self.noise.fill(0.0);
-        self.largest.fill(0.0);
+        self.forget_sizes();
         for (i, (_, timer)) in self.machine.timers.iter().enumerate() {
             self.frozen.timer_count[i] = timer.first();
             self.frozen.timer_s[i] = timer.instant_s(timer.first());
@@ -331,12 +325,12 @@ impl Engine {
             largest: self.largest[state],
             atol: self.atol[state],
         });
-        let grazed = self.first_graze.map(|(t_s, element)| Remark::Grazed {
-            block: machine.block_name(machine.elements[element as usize].0),
-            t_s,
-            times: self.grazes,
+        let faded = self.faded().map(|state| Remark::Faded {
+            block: machine.block_name(machine.block_of_state[state]),
+            value: self.step.y0[state],
+            atol: self.atol[state],
         });
-        unresolved.chain(grazed).collect()
+        unresolved.chain(faded).collect()
     }
 
     /// What the delay lines are given, as the nets were watched last.

@@ -16,17 +16,17 @@ pub enum Remark {
         /// The absolute tolerance, problem units.
         atol: f64,
     },
-    /// A signal touched a switching surface within tolerance.
+    /// A state has decayed to what the absolute tolerance leaves undecided.
     #[error(
-        "`{block}` came within tolerance of switching at t = {t_s} s and was taken not to ({times} such \
-         moments in all): whether it would is below the accuracy of the run (`rtol`)"
+        "`{block}` ends at {value:e}, having decayed to where its error of {atol:e} a step counts; \
+         with `atol = 0` it is followed to any size"
     )]
-    Grazed {
-        /// The block of the first such moment.
+    Faded {
+        /// The block.
         block: String,
-        /// Its problem time, s.
-        t_s: f64,
-        /// How often it happened.
-        times: u64,
+        /// Its output.
+        value: f64,
+        /// The absolute tolerance, problem units.
+        atol: f64,
     },
 }

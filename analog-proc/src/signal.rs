@@ -47,11 +47,14 @@ pub(crate) trait Signal:
 }
 
 /// `atan2(y, x)`, continued across the negative x axis on the sheet of the quadrant in force:
-/// y is negative there where it is odd, x where it is 2 or 3. A vector along the x axis has the
-/// angle of its quadrant, so that it may vanish and return on the same side.
+/// y is negative there where it is odd, x where it is 2 or 3. A vector along an axis has the
+/// angle of its quadrant, so that it may vanish and return on the other side by an event.
 #[inline]
 fn arctangent(y: f64, x: f64, quadrant: u32) -> f64 {
     let (above, ahead) = (quadrant & 1 == 0, quadrant & 2 == 0);
+    if x == 0.0 && (y != 0.0 || !above) {
+        return if above { 0.5 * PI } else { -0.5 * PI };
+    }
     if y == 0.0 {
         let back = if above { PI } else { -PI };
         return if ahead { 0.0 } else { back };

@@ -24,7 +24,7 @@ use crate::fault::RunFault;
 use crate::kernel::{Kernel, fold};
 use crate::machine::{Machine, Settle};
 use crate::net::{BlockId, Input, Kind, Level};
-use crate::op::{Op, Slot, Term, behind, degrees};
+use crate::op::{Op, Slot, Term, behind, degrees, powers};
 use crate::order::Ordered;
 use crate::overload::OVERLOAD_FACTOR;
 
@@ -56,13 +56,19 @@ fn holds_state(kind: &Kind) -> bool {
     )
 }
 
-/// How often a step is halved before a side of this degree is judged: the peaks of a product
-/// of n sines are narrower by √n, and those of degree four are still seen from the ends of a
-/// step of an eighth of a turn.
+/// The degree up to which a side is judged from the ends of a step: a quartic's error is known
+/// from the change of its third derivative, and the peaks of a product of four sines are still
+/// seen from the ends of a step of an eighth of a turn.
+const JUDGED_AT_ENDS: u32 = 4;
+
+/// How often a step is halved before a side of this degree is judged: so that there are as
+/// many pieces as it may have extremes.
 fn halvings(degree: u32) -> u8 {
-    (1..=6)
-        .find(|n| degree <= 4_u32.pow(*n))
-        .map_or(6, |n| n as u8 - 1)
+    if degree <= JUDGED_AT_ENDS {
+        0
+    } else {
+        (u32::BITS - (degree - 1).leading_zeros()) as u8
+    }
 }
 
 /// Lowers an ordered net.
@@ -168,10 +174,17 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
     let mut needed = seen.clone();
     needed.extend(rates.iter().flat_map(|rate| rate.1.iter().map(|t| t.slot)));
     let live = behind(&fast, &m.terms, &needed, m.slots);
+    let degree = degrees(&fast, &m.terms, m.slots);
+    let powers = powers(&fast, &m.terms, &degree);
     for ((op, block), live) in fast.iter().zip(&block_of_fast).zip(live) {
-        if let (true, Some(pace)) = (live, Pace::of(op)) {
+        if let (true, Some(pace)) = (live, Pace::of(op, &powers)) {
             pace.reads(|slot| seen.push(slot));
             m.paces.push((pace, *block));
+        }
+        if let (true, Op::Wave { o, wave }) = (live, op) {
+            let turn = pace::turn(powers[*o as usize]);
+            let cap_s = m.waves[*wave as usize].time_to_turn_s(turn);
+            m.step_cap_s = m.step_cap_s.min(cap_s);
         }
     }
     let watch = behind(&fast, &m.terms, &seen, m.slots);
@@ -179,7 +192,6 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
     m.watch = watched
         .filter_map(|(op, seen)| seen.then_some(*op))
         .collect();
-    let degree = degrees(&fast, &m.terms, m.slots);
     m.first_side = vec![None; m.elements.len()];
     for (e, reads) in m.watched.iter().zip(&read_by) {
         let sides = m.elements[*e as usize].1.side_count();

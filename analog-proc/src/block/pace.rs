@@ -13,7 +13,14 @@ use crate::signal::Rated;
 
 /// Greatest turn of an angle over a step, rad: an eighth of a circle. A sine is then near its
 /// own cubic, so that surfaces are judged from the ends of a step.
-pub(crate) const TURN: f64 = std::f64::consts::FRAC_PI_4;
+const TURN: f64 = std::f64::consts::FRAC_PI_4;
+
+/// A vector that is turned about by no more than this passes through zero, which its quadrant
+/// tells as an event.
+const THROUGH: f64 = 1e-12;
+
+/// The degree up to which [`TURN`] holds.
+const SEEN_DEGREE: u32 = 4;
 
 /// Greatest part of its way to zero that a divisor or a radicand makes in a step …
 const APPROACH: f64 = 0.5;
@@ -30,11 +37,17 @@ const SLACK: f64 = 1.5;
 /// a circle: [`SLACK`] times [`TURN`].
 const MOST_TURN: f64 = 1.0 + std::f64::consts::SQRT_2;
 
+/// Greatest turn of an angle whose sine goes into a product of this degree, rad: the peaks of
+/// a product of n sines are narrower by √n.
+pub(crate) fn turn(degree: u32) -> f64 {
+    TURN * (f64::from(SEEN_DEGREE) / f64::from(degree.max(SEEN_DEGREE))).sqrt()
+}
+
 /// Something whose scale bounds the step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Pace {
-    /// A sine or cosine of the term.
-    Angle(Term),
+    /// A sine or cosine of the term, which turns by so much at most, rad.
+    Angle(Term, f64),
     /// The direction of the vector (x, y).
     Direction { y: Term, x: Term },
     /// A net divided by, or under a root.
@@ -44,11 +57,11 @@ pub(crate) enum Pace {
 }
 
 impl Pace {
-    /// What bounds the step in an operation.
-    pub fn of(op: &Op) -> Option<Pace> {
+    /// What bounds the step in an operation; `powers` are the degrees that nets go into.
+    pub fn of(op: &Op, powers: &[u32]) -> Option<Pace> {
         match *op {
-            Op::Sine { a, c, .. } | Op::Cosine { a, c, .. } | Op::SinCos { a, c, .. } => {
-                Some(Pace::Angle(Term { slot: a, c }))
+            Op::Sine { o, a, c } | Op::Cosine { o, a, c } | Op::SinCos { o, a, c } => {
+                Some(Pace::Angle(Term { slot: a, c }, turn(powers[o as usize])))
             }
             Op::Arctangent { y, x, .. } => Some(Pace::Direction { y, x }),
             Op::Quotient { b, .. } => Some(Pace::Pole(b)),
@@ -61,7 +74,7 @@ impl Pace {
     /// Calls `f` with every net that it reads.
     pub fn reads(&self, mut f: impl FnMut(Slot)) {
         match *self {
-            Pace::Angle(term) => f(term.slot),
+            Pace::Angle(term, _) => f(term.slot),
             Pace::Direction { y, x } => {
                 f(y.slot);
                 f(x.slot);
@@ -76,7 +89,7 @@ impl Pace {
     #[inline]
     fn limit_s(&self, lines: &[DelayLine], t_s: f64, nets: &[Rated], largest: f64) -> f64 {
         match *self {
-            Pace::Angle(term) => TURN / (term.c * nets[term.slot as usize].rate).abs(),
+            Pace::Angle(term, turn) => turn / (term.c * nets[term.slot as usize].rate).abs(),
             Pace::Direction { y, x } => {
                 let (y, x): (Rated, Rated) = (y.of(nets), x.of(nets));
                 let turn = (x.value * y.rate - y.value * x.rate).abs();
@@ -99,11 +112,11 @@ impl Pace {
     #[inline]
     fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
         match *self {
-            Pace::Angle(term) => {
+            Pace::Angle(term, turn) => {
                 let slot = term.slot as usize;
                 let turned = (end[slot].value - start[slot].value).abs();
                 let most = turned.max(h_s * end[slot].rate.abs());
-                term.c.abs() * most <= SLACK * TURN
+                term.c.abs() * most <= SLACK * turn
             }
             Pace::Direction { y, x } => {
                 let (y0, x0): (Rated, Rated) = (y.of(start), x.of(start));
@@ -111,8 +124,9 @@ impl Pace {
                 let turn = h_s * (x.value * y.rate - y.value * x.rate).abs();
                 let ahead = x0.value * x.value + y0.value * y.value;
                 let across = (x0.value * y.value - y0.value * x.value).abs();
+                let passes = across <= THROUGH * ahead.abs();
                 turn <= SLACK * TURN * (x.value * x.value + y.value * y.value)
-                    && across <= MOST_TURN * ahead
+                    && (passes || across <= MOST_TURN * ahead)
             }
             Pace::Pole(slot) => {
                 let u = end[slot as usize];

@@ -25,6 +25,16 @@ pub(crate) enum Waveform {
 }
 
 impl Waveform {
+    /// How long it takes to turn by so much, s; a ramp never does.
+    pub fn time_to_turn_s(&self, turn_rad: f64) -> f64 {
+        match *self {
+            Waveform::Sine { frequency_hz, .. } if frequency_hz > 0.0 => {
+                turn_rad / (std::f64::consts::TAU * frequency_hz)
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     #[inline]
     pub fn signal<N: Signal>(&self, t_s: f64, started: bool) -> N {
         match *self {

@@ -16,8 +16,9 @@ const PROBES: usize = 250;
 impl Engine {
     /// The sides at a node; what is beyond its surface by rounding alone is at it.
     fn margins_at(&self, node: usize, margins: &mut [f64]) {
-        let places = margins.iter_mut().zip(&self.nodes[node].sides);
-        for ((margin, side), noise) in places.zip(&self.noise) {
+        let node = &self.nodes[node];
+        let sides = node.sides.iter().zip(&self.nodes[END].noise);
+        for (margin, (side, noise)) in margins.iter_mut().zip(sides) {
             let is_noise = side.value > 0.0 && !is_beyond(*side, *noise);
             *margin = if is_noise { 0.0 } else { side.value };
         }

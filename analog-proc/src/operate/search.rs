@@ -9,12 +9,12 @@
 //! step costs nothing: it is the change of the third derivative since the step before.
 //! (Bernstein coefficients: Farin, Curves and Surfaces for CAGD, chapter 5.)
 //!
-//! An excursion that tolerance and rounding could have made is not followed; such
-//! grazes are counted and told.
+//! What rounding could have made is no excursion: intervals are not halved below it.
 
 use super::Engine;
 use super::instants::resolution_s;
 use super::watch::is_beyond;
+use crate::event::fatal;
 use crate::fault::RunFault;
 use crate::signal::Rated;
 
@@ -35,8 +35,11 @@ const CHANGE: f64 = 0.125;
 /// The bulge's only Bernstein coefficient, of degree four, in units of the error in the middle.
 const BULGE: f64 = 16.0 / 6.0;
 
-/// Halvings before tolerance is asked.
-const SHARP_DEPTH: usize = 2;
+/// A divisor within so many roundings of zero, over the shortest interval, is zero.
+const NEAR_ZERO: f64 = 64.0;
+
+/// Halvings before the rounding at the ends of an interval is taken for that within it.
+const NOISE_DEPTH: usize = 6;
 
 /// What is known of an interval.
 enum Verdict {
@@ -110,9 +113,9 @@ impl Engine {
         if self.active.is_empty() {
             return Ok(None);
         }
-        self.noise_known = false;
+        self.find_noise(START);
+        self.find_noise(END);
         self.probes = 0;
-        self.tolerated_known = false;
         if self.followed {
             match self.verdict(START, END, 0, h_s) {
                 Verdict::Clear => return Ok(None),
@@ -144,10 +147,7 @@ impl Engine {
         let theta = 0.5 * (self.nodes[a].theta + self.nodes[b].theta);
         self.rate_at(theta);
         self.look_at_sides(middle, theta);
-        if depth + 1 == SHARP_DEPTH && !self.tolerated_known {
-            self.find_tolerated();
-            self.tolerated_known = true;
-        }
+        self.find_noise(middle);
         let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
         for &i in &self.active {
             let i = i as usize;
@@ -165,7 +165,8 @@ impl Engine {
                 Verdict::Unknown => {
                     let least_s = 4.0 * resolution_s(self.t_s + h_s);
                     if 0.5 * width_s <= least_s {
-                        if self.is_crossed(high, depth + 1) {
+                        self.refuse_touch(low, high)?;
+                        if self.is_crossed(high) {
                             return Ok(Some((low, high)));
                         }
                     } else if let Some(found) = self.split(low, high, depth + 1, h_s)? {
@@ -177,33 +178,51 @@ impl Engine {
         Ok(None)
     }
 
-    fn is_crossed(&self, node: usize, depth: usize) -> bool {
-        self.active
-            .iter()
-            .any(|&i| self.is_side_crossed(i as usize, node, depth))
+    fn is_crossed(&self, node: usize) -> bool {
+        let mut active = self.active.iter();
+        active.any(|&i| self.is_side_crossed(i as usize, node))
     }
 
-    /// Whether a side is beyond its surface at a node: between the ends of the step by more
-    /// than the tolerances can have made.
-    fn is_side_crossed(&self, i: usize, node: usize, depth: usize) -> bool {
-        let side = self.nodes[node].sides[i];
-        is_beyond(side, self.noise[i]) && side.value > self.within(i, node <= END, depth)
+    /// Whether a side is beyond its surface at a node, between the ends of the step by more
+    /// than its rounding.
+    fn is_side_crossed(&self, i: usize, node: usize) -> bool {
+        let at = &self.nodes[node];
+        let (side, noise) = (at.sides[i], at.noise[i]);
+        is_beyond(side, noise) && (node <= END || side.value > noise)
     }
 
-    /// What an excursion must exceed.
-    fn within(&self, i: usize, at_end: bool, depth: usize) -> f64 {
-        if at_end || depth < SHARP_DEPTH {
-            0.0
-        } else {
-            self.tolerated[i]
+    /// A divisor that cannot be told from zero in an interval as short as time resolves ends
+    /// the run, though it does not change its sign.
+    fn refuse_touch(&self, a: usize, b: usize) -> Result<(), RunFault> {
+        for &i in &self.active {
+            let i = i as usize;
+            let touches = |node: usize| {
+                let at = &self.nodes[node];
+                at.sides[i].value >= -NEAR_ZERO * at.noise[i]
+            };
+            let element = self.machine.element_of_side[i];
+            let (block, piecewise) = self.machine.elements[element as usize];
+            if let Some(fault) = piecewise.fatal()
+                && touches(a)
+                && touches(b)
+            {
+                let t_s = self.t_s + self.nodes[b].theta * self.step.h_s;
+                return Err(fatal(&self.machine, block, fault, t_s));
+            }
         }
+        Ok(())
     }
 
-    fn verdict(&mut self, a: usize, b: usize, depth: usize, h_s: f64) -> Verdict {
+    fn is_fatal(&self, side: usize) -> bool {
+        let element = self.machine.element_of_side[side];
+        self.machine.elements[element as usize].1.fatal().is_some()
+    }
+
+    fn verdict(&self, a: usize, b: usize, depth: usize, h_s: f64) -> Verdict {
         let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
-        let (mut crossed, mut grazed) = (false, None);
-        for k in 0..self.active.len() {
-            let i = self.active[k] as usize;
+        let mut crossed = false;
+        for &i in &self.active {
+            let i = i as usize;
             if depth < usize::from(self.machine.halvings[i]) {
                 return Verdict::Unknown;
             }
@@ -211,34 +230,21 @@ impl Engine {
             let [c0, c1, c2, c3, c4] = bernstein(low, high, width_s);
             let bulge = BULGE * self.errors[depth][i];
             let inside = c1.max(c2 + bulge).max(c3);
+            let within = if depth < NOISE_DEPTH || self.is_fatal(i) {
+                0.0
+            } else {
+                self.nodes[a].noise[i].min(self.nodes[b].noise[i])
+            };
             let is_number = (inside + bulge).is_finite();
-            if inside <= 0.0 && c0 <= 0.0 && c4 <= 0.0 && is_number {
+            let [at_start, at_end] = [a, b].map(|node| self.is_side_crossed(i, node));
+            if !at_start && inside <= within && !at_end && is_number {
                 continue;
             }
-            if !self.noise_known {
-                self.find_noise();
-                self.noise_known = true;
-            }
-            let within = self.within(i, false, depth);
-            let noise = self.noise[i];
-            let crossed_at = |node| self.is_side_crossed(i, node, depth);
-            let is_end_crossed = crossed_at(b);
-            if !crossed_at(a) && inside <= within.max(noise) && !is_end_crossed && is_number {
-                if inside > 0.0 && depth >= SHARP_DEPTH {
-                    grazed = Some(self.machine.element_of_side[i]);
-                }
-                continue;
-            }
-            let rising =
-                is_end_crossed && c1 >= c0 && c2 - bulge >= c1 && c3 >= c2 + bulge && c4 >= c3;
+            let rising = at_end && c1 >= c0 && c2 - bulge >= c1 && c3 >= c2 + bulge && c4 >= c3;
             if !rising {
                 return Verdict::Unknown;
             }
             crossed = true;
-        }
-        if let Some(element) = grazed {
-            self.grazes += 1;
-            self.first_graze.get_or_insert((self.t_s, element));
         }
         if crossed {
             Verdict::Crossed

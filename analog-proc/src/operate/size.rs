@@ -2,53 +2,88 @@
 //!
 //! The absolute tolerance of a state is `atol` times its `max`, or, where its block
 //! states none, times the greatest magnitude that it has had; so an oscillation of a
-//! millionth is followed as well as one of a million. A state that has stood near zero
-//! beside the others is measured by a small part of the largest of them, no more than
-//! one: how large it will be is not known as yet.
+//! millionth is followed as well as one of a million. How large a state will be that has
+//! only grown so far is not known: until it turns back it is measured by a small part
+//! of the greatest net, no more than one, where it is smaller than that.
 
 use super::Engine;
 
-/// Part of the largest state that a state without a size of its own is measured by.
+/// Part of the greatest net that a state without a size of its own is measured by.
 const FLOOR: f64 = 1e-8;
 
+/// A state has decayed to nothing where it is no larger than so many tolerances.
+const FADED: f64 = 1e4;
+
 impl Engine {
-    /// Takes the size of the states at the start (`initial`) or end of a step.
+    /// Takes the size of the states at the start or end of a step.
     pub(super) fn size_up(&mut self, at_start: bool) {
         let y = if at_start {
             &self.step.y0
         } else {
             &self.step.y1
         };
-        let mut grown = at_start;
-        for (largest, y) in self.largest.iter_mut().zip(y) {
+        let mut changed = at_start;
+        let sizes = self.largest.iter_mut().zip(&mut self.turned);
+        for ((largest, turned), y) in sizes.zip(y) {
             if y.abs() > *largest {
                 *largest = y.abs();
-                grown = true;
+                changed = true;
+            } else if y.abs() < *largest && !*turned {
+                *turned = true;
+                changed = true;
             }
         }
-        if !grown {
+        if !changed {
             return;
         }
-        let greatest = self.largest.iter().copied().fold(0.0, f64::max);
-        let floor = if greatest > 0.0 {
-            (FLOOR * greatest).min(1.0)
+        let growing = self.turned.iter().any(|turned| !turned);
+        if growing {
+            let nets = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            self.greatest = self.greatest.max(nets);
+        }
+        let floor = if self.greatest > 0.0 {
+            (FLOOR * self.greatest).min(1.0)
         } else {
             1.0
         };
         let atol = self.integration.atol;
-        let scales = self.machine.scales.iter().zip(&self.largest);
-        for (place, (scale, largest)) in self.atol.iter_mut().zip(scales) {
-            *place = atol * scale.unwrap_or(largest.max(floor));
+        let sizes = self.largest.iter().zip(&self.turned);
+        let states = self.machine.scales.iter().zip(sizes);
+        for (place, (scale, (largest, turned))) in self.atol.iter_mut().zip(states) {
+            let own = if *turned {
+                *largest
+            } else {
+                largest.max(floor)
+            };
+            *place = atol * scale.unwrap_or(own);
         }
     }
 
+    /// Back to the initial condition.
+    pub(super) fn forget_sizes(&mut self) {
+        self.largest.fill(0.0);
+        self.turned.fill(false);
+        self.greatest = 0.0;
+    }
+
     /// States whose error was judged by the absolute tolerance alone: they stayed so small
-    /// beside their `max`, or the other states, that their own digits were not asked for.
+    /// beside their `max`, or the other nets, that their own digits were not asked for.
     pub fn unresolved(&self) -> impl Iterator<Item = usize> {
         let rtol = self.integration.rtol;
         let states = self.largest.iter().zip(&self.atol).enumerate();
         states.filter_map(move |(i, (largest, atol))| {
             (*largest > 0.0 && rtol * largest < *atol).then_some(i)
+        })
+    }
+
+    /// States that have decayed to where their absolute tolerance counts, and stay there.
+    pub fn faded(&self) -> impl Iterator<Item = usize> {
+        let rates = self.step.y0.iter().zip(&self.step.f0);
+        let states = rates.zip(&self.atol).zip(&self.largest).enumerate();
+        states.filter_map(|(i, (((y, f), atol), largest))| {
+            let least = FADED * atol;
+            let stays = y.abs() < least && (f * self.t_s).abs() < FADED * least;
+            (*y != 0.0 && stays && least < *largest).then_some(i)
         })
     }
 }

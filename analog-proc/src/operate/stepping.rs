@@ -142,9 +142,7 @@ impl Engine {
                     0.1
                 }
             } else {
-                self.rate_end();
-                let (start, end) = (&self.rated_start, &self.rated);
-                if self.paces.kept(&self.machine, step_s, start, end) {
+                if self.keeps_pace(step_s) {
                     self.propose(error, step_s, proposal_s, rejected);
                     break;
                 }
@@ -175,6 +173,21 @@ impl Engine {
             self.settle(false, Some(0))?;
         }
         Ok(())
+    }
+
+    /// Whether nothing hides in the step; without one before it that tells, its middle is
+    /// looked at too.
+    fn keeps_pace(&mut self, step_s: f64) -> bool {
+        if !self.followed && !self.machine.paces.is_empty() {
+            self.rate_at(0.5);
+            let (start, middle) = (&self.rated_start, &self.rated);
+            if !self.paces.kept(&self.machine, 0.5 * step_s, start, middle) {
+                return false;
+            }
+        }
+        self.rate_end();
+        let (start, end) = (&self.rated_start, &self.rated);
+        self.paces.kept(&self.machine, step_s, start, end)
     }
 
     /// End of a step of about `h_s`, without leaving a sliver before the target.

@@ -5,6 +5,7 @@
 //! these read besides stands still until the next settling.
 
 use super::Engine;
+use super::search::START;
 use crate::machine::Machine;
 use crate::signal::{Doubted, Rated, Signal};
 
@@ -23,6 +24,8 @@ pub(super) struct Node {
     /// Its place in the step, 0 to 1.
     pub theta: f64,
     pub sides: Vec<Rated>,
+    /// What rounding alone can have made of each, where it was asked for.
+    pub noise: Vec<f64>,
 }
 
 fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [N]) {
@@ -61,7 +64,7 @@ impl Engine {
         self.rated[states..].copy_from_slice(&self.rated_start[states..]);
         self.followed = false;
         let region = &self.frozen.region;
-        let start = &mut self.nodes[super::search::START];
+        let start = &mut self.nodes[START];
         sides(&self.machine, region, &self.rated_start, &mut start.sides);
         self.look_at_paces();
     }
@@ -114,49 +117,34 @@ impl Engine {
         );
     }
 
-    /// What rounding, and the tolerances if `tolerances`, leave undecided of each side at the
-    /// end of the step, into `doubts`.
-    fn find_doubts(&mut self, tolerances: bool) {
-        let rtol = if tolerances {
-            self.integration.rtol
+    /// What rounding alone can have made of the sides of a node, while `rated` holds the nets
+    /// there (`rated_start` at the start of the step).
+    pub(super) fn find_noise(&mut self, node: usize) {
+        let nets = if node == START {
+            &self.rated_start
         } else {
-            ROUNDING
+            &self.rated
         };
-        for (doubted, rated) in self.doubted.iter_mut().zip(&self.rated_start) {
+        for (doubted, rated) in self.doubted.iter_mut().zip(nets) {
             *doubted = Doubted::constant(rated.value);
         }
-        let ends = self.step.y1.iter().zip(&self.atol);
-        for (doubted, (y, atol)) in self.doubted.iter_mut().zip(ends) {
-            doubted.value = *y;
-            doubted.doubt = rtol * y.abs() + if tolerances { *atol } else { 0.0 };
+        for doubted in &mut self.doubted[..self.step.y0.len()] {
+            doubted.doubt = ROUNDING * doubted.value.abs();
         }
-        let t_s = self.step.t0_s + self.step.h_s;
+        let t_s = self.step.t0_s + self.nodes[node].theta * self.step.h_s;
         for op in &self.machine.watch {
             self.machine
                 .evaluate(op, &self.frozen, t_s, &mut self.doubted);
         }
-        let region = &self.frozen.region;
-        sides(&self.machine, region, &self.doubted, &mut self.doubts);
-        for side in &mut self.doubts {
-            if !side.doubt.is_finite() {
-                side.doubt = 0.0;
-            }
-        }
-    }
-
-    /// What an excursion between the ends of the step must exceed to be one.
-    pub(super) fn find_tolerated(&mut self) {
-        self.find_doubts(true);
-        for (tolerated, side) in self.tolerated.iter_mut().zip(&self.doubts) {
-            *tolerated = side.doubt;
-        }
-    }
-
-    /// What rounding alone can have made of the sides at the end of the step.
-    pub(super) fn find_noise(&mut self) {
-        self.find_doubts(false);
-        for (noise, side) in self.noise.iter_mut().zip(&self.doubts) {
-            *noise = side.doubt;
+        let (region, doubts) = (&self.frozen.region, &mut self.doubts);
+        sides(&self.machine, region, &self.doubted, doubts);
+        let noise = &mut self.nodes[node].noise;
+        for (noise, side) in noise.iter_mut().zip(doubts) {
+            *noise = if side.doubt.is_finite() {
+                side.doubt
+            } else {
+                0.0
+            };
         }
         for line in &mut self.frozen.lines {
             let input: Doubted = line.input.of(&self.doubted);
@@ -167,8 +155,9 @@ impl Engine {
     /// Before settling: a signal that is within rounding of a surface and moves away from it has
     /// not crossed it, unless something jumps.
     pub(super) fn hold_what_leaves(&mut self) {
-        let values = self.nodes[super::search::START].sides.iter();
-        for ((held, side), noise) in self.frozen.held.iter_mut().zip(values).zip(&self.noise) {
+        let start = &self.nodes[START];
+        let sides = start.sides.iter().zip(&start.noise);
+        for (held, (side, noise)) in self.frozen.held.iter_mut().zip(sides) {
             let leaves = side.rate < 0.0 && side.value.abs() <= *noise;
             *held = if leaves { *noise } else { 0.0 };
         }

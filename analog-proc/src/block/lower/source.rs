@@ -2,7 +2,6 @@
 
 use crate::block::Lowering;
 use crate::block::delay::DelayLine;
-use crate::block::pace::TURN;
 use crate::block::source::{Timer, Waveform};
 use crate::net::{Block, Kind, Wave};
 use crate::op::{Op, Slot, Term};
@@ -53,10 +52,6 @@ impl Lowering {
                         start_s,
                     }),
                     Wave::Sine => {
-                        if *frequency_hz > 0.0 {
-                            let cap_s = TURN / (std::f64::consts::TAU * frequency_hz);
-                            self.m.step_cap_s = self.m.step_cap_s.min(cap_s);
-                        }
                         let (frequency_hz, phase_rad) = (*frequency_hz, *phase_rad);
                         Some(Waveform::Sine {
                             offset,
