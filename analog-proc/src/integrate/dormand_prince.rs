@@ -85,6 +85,9 @@ impl DormandPrince {
 
     pub fn attempt(&mut self, system: System, step: &mut Step, nets: &mut [f64]) -> f64 {
         let n = step.y0.len();
+        if n == 0 {
+            return super::euler::attempt(system, step, nets);
+        }
         let (h, t) = (step.h_s, step.t0_s);
         let (m, f) = (system.machine, system.frozen);
         let y0 = &step.y0[..n];
