@@ -40,7 +40,7 @@ const BEHIND_NAME: usize = 9 + PREFIX_LENGTH + 40 + 1 + 39 + 1 + 39 + 11;
 pub(super) const FORBIDDEN: &str = "< > \" | ? *";
 /// Free space that a session asks for, in KiB: twice what one takes at most (936 KiB of
 /// shared memory while a patch of 3 MB is loaded; a flight takes 172).
-const ROOM_KIB: u64 = 2048;
+pub(super) const ROOM_KIB: u64 = 2048;
 
 /// The base directory: `$HYBRID_BASE`, else `$XDG_RUNTIME_DIR/hybrid-computer`, else
 /// `/dev/shm/hybrid-computer-UID` if that is a tmpfs, else `/tmp/hybrid-computer-UID`.
@@ -111,23 +111,23 @@ fn resolved(path: &Path) -> PathBuf {
     real.unwrap_or(absolute)
 }
 
-/// Refuses a place with too little free space for a session.
+/// Refuses a place with less free space than `needed_kib`.
 ///
 /// The transport touches pages that it has not allocated, and where there is none left the
 /// process is ended by a signal.
-pub(super) fn check_room(path: &Path) -> Result<(), SessionError> {
+pub(super) fn check_room(path: &Path, needed_kib: u64) -> Result<(), SessionError> {
     // A base that is yet to be made lies where its nearest ancestor does.
     let Some(space) = path.ancestors().find_map(|p| statvfs(p).ok()) else {
         return Ok(());
     };
     let found_kib = space.f_bavail.saturating_mul(space.f_frsize) / 1024;
     // A tmpfs without a limit tells no blocks at all.
-    if space.f_blocks == 0 || found_kib >= ROOM_KIB {
+    if space.f_blocks == 0 || found_kib >= needed_kib {
         return Ok(());
     }
     Err(SessionError::NoRoom {
         path: path.to_owned(),
-        needed_kib: ROOM_KIB,
+        needed_kib,
         found_kib,
     })
 }

@@ -191,8 +191,8 @@ impl Session {
             check_name(name)?;
         }
         base::check_path(base, name.map_or(FRESH_LENGTH, str::len))?;
-        base::check_room(Path::new(remains::SHARED_MEMORY))?;
-        base::check_room(base)?;
+        base::check_room(Path::new(remains::SHARED_MEMORY), base::ROOM_KIB)?;
+        base::check_room(base, base::ROOM_KIB)?;
         let held = BaseLock::create(base)?;
         sweep(held.path());
         let name = name.map_or_else(|| fresh_name(held.path()), str::to_owned);
@@ -252,8 +252,10 @@ impl Session {
         }
         // Whoever holds its lock has written the prefix before.
         let prefix = prefix_of(&root).ok_or(deserted)?;
-        base::check_room(Path::new(remains::SHARED_MEMORY))?;
-        base::check_room(held.path())?;
+        // Whoever made the session has found room for both, and taken its part.
+        let rest_kib = base::ROOM_KIB / 2;
+        base::check_room(Path::new(remains::SHARED_MEMORY), rest_kib)?;
+        base::check_room(held.path(), rest_kib)?;
         let place = Place::take(&held, name.to_owned(), prefix, side, true)?;
         Ok(Session(Arc::new(place)))
     }

@@ -22,8 +22,9 @@ use std::{
 /// Time between two looks at partner, interrupt and deadline.
 const LOOK: Duration = Duration::from_millis(5);
 /// How long the thread may take to notice by itself what its watcher has seen, which
-/// makes the better report. Its own waits look every 20 ms.
-const GRACE: Duration = Duration::from_millis(500);
+/// makes the better report. Its own waits look every 20 ms; but it may be slow, beside busy
+/// programs or a busy disk, and what it makes after the session was left would stay behind.
+const GRACE: Duration = Duration::from_millis(1500);
 
 /// What opening thread and watcher share.
 #[derive(Clone, Debug, Default)]
