@@ -33,7 +33,7 @@ impl Engine {
                 changed = true;
             }
         }
-        if !changed {
+        if !changed || self.machine.all_scaled && !at_start {
             return;
         }
         let growing = self.turned.iter().any(|turned| !turned);
