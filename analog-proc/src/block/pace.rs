@@ -15,10 +15,6 @@ use crate::signal::Rated;
 /// own cubic, so that surfaces are judged from the ends of a step.
 const TURN: f64 = std::f64::consts::FRAC_PI_4;
 
-/// A vector that is turned about by no more than this passes through zero, which its quadrant
-/// tells as an event.
-const THROUGH: f64 = 1e-12;
-
 /// The degree up to which [`TURN`] holds.
 const SEEN_DEGREE: u32 = 4;
 
@@ -108,7 +104,8 @@ impl Pace {
         }
     }
 
-    /// Whether the step of `h_s` that ends here stayed within the bound, seen from its end.
+    /// Whether the step of `h_s` that ends here stayed within the bound, seen from its end. A vector
+    /// along an axis passes zero by an event of its quadrant; any other that does is refused.
     #[inline]
     fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
         match *self {
@@ -124,7 +121,8 @@ impl Pace {
                 let turn = h_s * (x.value * y.rate - y.value * x.rate).abs();
                 let ahead = x0.value * x.value + y0.value * y.value;
                 let across = (x0.value * y.value - y0.value * x.value).abs();
-                let passes = across <= THROUGH * ahead.abs();
+                let along = |u0: Rated, u: Rated| u0.value == 0.0 && u.value == 0.0;
+                let passes = along(y0, y) || along(x0, x);
                 turn <= SLACK * TURN * (x.value * x.value + y.value * y.value)
                     && (passes || across <= MOST_TURN * ahead)
             }
