@@ -5,7 +5,7 @@
 //! excluding crossings within a step), and the number with what tolerance and
 //! rounding leave undecided of it ([`Doubted`], for telling a graze from a crossing).
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value that operations and surfaces can be evaluated over.
@@ -26,8 +26,8 @@ pub(crate) trait Signal:
     fn sin_cos(self) -> (Self, Self);
     /// Root of the positive part, NaN kept.
     fn root(self) -> Self;
-    /// Angle of the vector (x, y) in the quadrant in force, see [`arctangent`].
-    fn angle(y: Self, x: Self, quadrant: u32) -> Self;
+    /// Angle of the vector (x, y) on the sheet in force, see [`arctangent`].
+    fn angle(y: Self, x: Self, sheet: u32) -> Self;
 
     /// The same, known to be off by as much besides.
     #[inline(always)]
@@ -46,25 +46,17 @@ pub(crate) trait Signal:
     }
 }
 
-/// `atan2(y, x)`, continued across the negative x axis on the sheet of the quadrant in force:
-/// y is negative there where it is odd, x where it is 2 or 3. A vector along an axis has the
-/// angle of its quadrant, so that it may vanish and return on the other side by an event.
+/// `atan2(y, x)`, continued across the negative x axis on the sheet in force:
+/// `sheet` 0 was entered with y ≥ 0, 1 with y < 0. The sheet changes by an event.
 #[inline]
-fn arctangent(y: f64, x: f64, quadrant: u32) -> f64 {
-    let (above, ahead) = (quadrant & 1 == 0, quadrant & 2 == 0);
-    if x == 0.0 && (y != 0.0 || !above) {
-        return if above { 0.5 * PI } else { -0.5 * PI };
-    }
-    if y == 0.0 {
-        let back = if above { PI } else { -PI };
-        return if ahead { 0.0 } else { back };
-    }
+fn arctangent(y: f64, x: f64, sheet: u32) -> f64 {
     let principal = libm::atan2(y, x);
+    // The sign of the angle tells the sign of y, that of a zero too.
     if x >= 0.0 {
         principal
-    } else if above && principal < 0.0 {
+    } else if sheet == 0 && principal < 0.0 {
         principal + TAU
-    } else if !above && principal > 0.0 {
+    } else if sheet == 1 && principal > 0.0 {
         principal - TAU
     } else {
         principal
@@ -108,8 +100,8 @@ impl Signal for f64 {
     }
 
     #[inline(always)]
-    fn angle(y: f64, x: f64, quadrant: u32) -> f64 {
-        arctangent(y, x, quadrant)
+    fn angle(y: f64, x: f64, sheet: u32) -> f64 {
+        arctangent(y, x, sheet)
     }
 }
 
@@ -232,11 +224,11 @@ impl Signal for Rated {
     }
 
     #[inline(always)]
-    fn angle(y: Rated, x: Rated, quadrant: u32) -> Rated {
+    fn angle(y: Rated, x: Rated, sheet: u32) -> Rated {
         let square = x.value * x.value + y.value * y.value;
         let turn = x.value * y.rate - y.value * x.rate;
         Rated {
-            value: arctangent(y.value, x.value, quadrant),
+            value: arctangent(y.value, x.value, sheet),
             rate: if turn == 0.0 { 0.0 } else { turn / square },
         }
     }
@@ -352,9 +344,9 @@ impl Signal for Doubted {
         Doubted::rounded(value, doubt)
     }
 
-    fn angle(y: Doubted, x: Doubted, quadrant: u32) -> Doubted {
+    fn angle(y: Doubted, x: Doubted, sheet: u32) -> Doubted {
         let square = x.value * x.value + y.value * y.value;
         let doubt = (x.value.abs() * y.doubt + y.value.abs() * x.doubt) / square;
-        Doubted::rounded(arctangent(y.value, x.value, quadrant), doubt)
+        Doubted::rounded(arctangent(y.value, x.value, sheet), doubt)
     }
 }

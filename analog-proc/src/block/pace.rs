@@ -105,7 +105,7 @@ impl Pace {
     }
 
     /// Whether the step of `h_s` that ends here stayed within the bound, seen from its end. A vector
-    /// along an axis passes zero by an event of its quadrant; any other that does is refused.
+    /// that passes zero is refused: its angle jumps.
     #[inline]
     fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
         match *self {
@@ -121,10 +121,8 @@ impl Pace {
                 let turn = h_s * (x.value * y.rate - y.value * x.rate).abs();
                 let ahead = x0.value * x.value + y0.value * y.value;
                 let across = (x0.value * y.value - y0.value * x.value).abs();
-                let along = |u0: Rated, u: Rated| u0.value == 0.0 && u.value == 0.0;
-                let passes = along(y0, y) || along(x0, x);
                 turn <= SLACK * TURN * (x.value * x.value + y.value * y.value)
-                    && (passes || across <= MOST_TURN * ahead)
+                    && across <= MOST_TURN * ahead
             }
             Pace::Pole(slot) => {
                 let u = end[slot as usize];

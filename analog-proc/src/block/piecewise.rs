@@ -64,10 +64,9 @@ pub(crate) enum Piecewise {
     },
     Friction(Friction),
     Cell(Cell),
-    /// Quadrant of an arctangent: 1 where y is negative, and 2 where x is.
+    /// Half plane of an arctangent.
     Sheet {
         y: Term,
-        x: Term,
     },
     Divisor {
         u: Term,
@@ -102,12 +101,12 @@ impl Piecewise {
             | Piecewise::Limiter { .. }
             | Piecewise::Friction(_)
             | Piecewise::Overload { .. }
-            | Piecewise::Sheet { .. }
             | Piecewise::Stops(_) => 2,
             Piecewise::Extremum { len, .. } => *len as usize - 1,
             Piecewise::Cell(_) => 4,
             Piecewise::Comparator { .. }
             | Piecewise::Relay { .. }
+            | Piecewise::Sheet { .. }
             | Piecewise::Divisor { .. }
             | Piecewise::Radicand { .. } => 1,
         }
@@ -177,16 +176,11 @@ impl Piecewise {
                 let table = &m.tables[cell.table as usize];
                 table.sides(region, cell.x.of(nets), cell.y.of(nets), put);
             }
-            Piecewise::Sheet { y, x } => {
-                for (term, negative) in [(y, 1), (x, 2)] {
-                    let u = term.of(nets);
-                    put(if region & negative == 0 {
-                        -u
-                    } else {
-                        closed(u)
-                    });
-                }
-            }
+            Piecewise::Sheet { y } => put(if region == 0 {
+                -y.of(nets)
+            } else {
+                closed(y.of(nets))
+            }),
             Piecewise::Divisor { u } => {
                 put(closed(if region == 0 { -u.of(nets) } else { u.of(nets) }))
             }
@@ -351,9 +345,7 @@ impl Piecewise {
             Piecewise::Cell(cell) => {
                 m.tables[cell.table as usize].locate(cell.x.of(nets), cell.y.of(nets))
             }
-            Piecewise::Sheet { y, x } => {
-                u32::from(y.of(nets) < 0.0) + 2 * u32::from(x.of(nets) < 0.0)
-            }
+            Piecewise::Sheet { y } => u32::from(y.of(nets) < 0.0),
             // A jump over zero at an event is no division by zero; a passage through it
             // within a step is one, and is refused where it is located.
             Piecewise::Divisor { u } => match u.of(nets) {

@@ -123,7 +123,7 @@ impl Lowering {
             }
             Kind::Arctangent => {
                 let [y, x] = self.exactly(&block.inputs)?;
-                let e = self.element(Piecewise::Sheet { y, x }, &[y.slot, x.slot]);
+                let e = self.element(Piecewise::Sheet { y }, &[y.slot]);
                 let varying = self.vary(&[y.slot, x.slot]);
                 self.push(Op::Arctangent { o, e, y, x }, &[o], varying);
             }
