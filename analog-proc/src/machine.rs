@@ -54,8 +54,6 @@ pub struct Machine {
     pub(crate) ics: Vec<f64>,
     /// Scale of each state in the error norm, where its block states one (`max`).
     pub(crate) scales: Vec<Option<f64>>,
-    /// Whether each has one.
-    pub(crate) all_scaled: bool,
     /// Nets before anything is evaluated: constants, initial store outputs.
     pub(crate) initial_nets: Vec<f64>,
     pub(crate) elements: Vec<(BlockId, Piecewise)>,

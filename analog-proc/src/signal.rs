@@ -2,8 +2,8 @@
 //!
 //! The same operations and the same surfaces are evaluated over three kinds of
 //! value: the number itself, the number with its rate of change ([`Rated`], for
-//! excluding crossings within a step), and the number with what tolerance and
-//! rounding leave undecided of it ([`Doubted`], for telling a graze from a crossing).
+//! excluding crossings within a step), and the number with what rounding
+//! leaves undecided of it ([`Doubted`], for telling noise from a crossing).
 
 use std::f64::consts::TAU;
 use std::ops::{Add, Div, Mul, Neg, Sub};

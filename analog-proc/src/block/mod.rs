@@ -117,7 +117,6 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
             kernel: Kernel::default(),
             terms: Vec::new(),
             ics: vec![0.0; states as usize],
-            all_scaled: scales.iter().all(Option::is_some),
             scales,
             initial_nets: vec![0.0; slots as usize],
             elements: Vec::new(),

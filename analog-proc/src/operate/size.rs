@@ -33,7 +33,7 @@ impl Engine {
                 changed = true;
             }
         }
-        if !changed || self.machine.all_scaled && !at_start {
+        if !changed {
             return;
         }
         let growing = self.turned.iter().any(|turned| !turned);
