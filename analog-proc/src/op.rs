@@ -98,6 +98,8 @@ pub(crate) enum Op {
         y: Slot,
         start: u32,
     },
+    /// The angle of the vector (x, y); of a vector that is zero, where it turns to (`y0` of piece
+    /// `e`, put there when all has settled).
     Arctangent {
         o: Slot,
         e: u32,
@@ -426,7 +428,12 @@ impl Machine {
                 net!(y) = u * sin + v * cos;
             }
             Op::Arctangent { o, e, y, x } => {
-                net!(o) = N::angle(y.of(nets), x.of(nets), f.region[e as usize]);
+                let (y, x): (N, N) = (y.of(nets), x.of(nets));
+                net!(o) = if y.value() == 0.0 && x.value() == 0.0 {
+                    N::constant(f.piece[e as usize].y0)
+                } else {
+                    N::angle(y, x, f.region[e as usize])
+                };
             }
             Op::Curve { o, e, a, c } => net!(o) = f.piece[e as usize].at(net!(a) * c),
             Op::Constant { o, e } => net!(o) = N::constant(f.piece[e as usize].y0),

@@ -37,6 +37,7 @@ use crate::overload::LatchedOverload;
 use crate::remark::Remark;
 use crate::signal::{Doubted, Rated};
 use crate::simulation::Statistics;
+use guard::Switched;
 use instants::resolution_s;
 use nalgebra::DMatrix;
 use watch::Node;
@@ -88,15 +89,17 @@ pub(crate) struct Engine {
     doubts: Vec<Doubted>,
     probes: u32,
     cuts: u32,
-    margins: Vec<f64>,
-    margins_low: Vec<f64>,
-    margins_high: Vec<f64>,
+    margins: Vec<Rated>,
+    margins_low: Vec<Rated>,
+    margins_high: Vec<Rated>,
     paces: Paces,
     past: Vec<Rated>,
     pub happenings: Happenings,
     pub overloads: Vec<LatchedOverload>,
     pub chatter_from_s: f64,
     pub chatter: u32,
+    /// How the switchings of each element follow one another.
+    switched: Vec<Switched>,
     pub statistics: Statistics,
 }
 
@@ -116,6 +119,7 @@ impl Engine {
             theta,
             sides: vec![Rated::default(); sides],
             noise: vec![0.0; sides],
+            doubted: false,
         };
         let zeros = || vec![0.0; sides];
         Engine {
@@ -148,15 +152,16 @@ impl Engine {
             doubts: vec![Doubted::default(); sides],
             probes: 0,
             cuts: 0,
-            margins: zeros(),
-            margins_low: zeros(),
-            margins_high: zeros(),
+            margins: vec![Rated::default(); sides],
+            margins_low: vec![Rated::default(); sides],
+            margins_high: vec![Rated::default(); sides],
             paces: Paces::new(&machine),
             past: Vec::new(),
             happenings: Happenings::default(),
             overloads: Vec::new(),
             chatter_from_s: 0.0,
             chatter: 0,
+            switched: vec![Switched::default(); machine.elements.len()],
             statistics: Statistics::default(),
             machine,
         }
@@ -188,6 +193,7 @@ impl Engine {
         self.happenings = Happenings::default();
         self.chatter = 0;
         self.chatter_from_s = 0.0;
+        self.switched.fill(Switched::default());
         self.former_error = 1e-4;
         self.paces.reset();
         self.forget_sizes();
@@ -284,13 +290,19 @@ impl Engine {
         self.overloads.append(&mut self.happenings.overloads);
         self.step.y0.copy_from_slice(&self.nets[..n]);
         self.size_up(true);
-        self.machine
-            .derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
-        self.step.evaluations += 1;
+        // Again for each vector at zero: its direction may hang on that of another.
+        for _ in 0..=self.machine.paces.len() {
+            self.machine
+                .derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
+            self.step.evaluations += 1;
+            self.watch_start();
+            if !self.turn_vectors() {
+                break;
+            }
+        }
         self.probe.copy_from_slice(&self.nets);
         self.scheme.restart();
         self.check_finite()?;
-        self.watch_start();
         if let Some(generation) = generation {
             for (line, before) in self.frozen.lines.iter_mut().zip(before) {
                 let after = line.input.of(&self.rated_start);

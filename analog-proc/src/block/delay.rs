@@ -23,6 +23,9 @@ const CORNER: f64 = 1e-6;
 /// A segment shorter than so many roundings of its time is a straight line.
 const SHORT: f64 = 4096.0;
 
+/// Roundings of what a segment's divided differences are formed of.
+const DIFFERENCES: f64 = 16.0;
+
 /// A step passes over this many segments at most: each is as long as its input is smooth.
 const SEGMENTS_A_STEP: usize = 4;
 
@@ -36,6 +39,8 @@ pub(crate) struct Segment {
     c: [f64; 6],
     /// The rate, where the segment is too short to have one of its own.
     rate: Option<f64>,
+    /// What rounding alone can have made of the input then.
+    noise: f64,
 }
 
 impl Segment {
@@ -50,6 +55,7 @@ impl Segment {
                 epoch: 0,
                 c: [start.value, end.value - start.value, 0.0, 0.0, 0.0, 0.0],
                 rate: Some(start.rate),
+                noise: 0.0,
             };
         }
         let (first, second) = (
@@ -66,6 +72,7 @@ impl Segment {
             epoch: 0,
             c: [start.value, d0, a, e, h, i - h],
             rate: None,
+            noise: 0.0,
         }
     }
 
@@ -90,8 +97,6 @@ pub(crate) struct DelayLine {
     pub initial: f64,
     /// The greatest magnitude that the input has had.
     pub largest: f64,
-    /// Rounding of the input, as last asked for.
-    pub noise: f64,
     segments: VecDeque<Segment>,
     breakpoints: VecDeque<(f64, u8)>,
     epoch: u32,
@@ -105,7 +110,6 @@ impl DelayLine {
             delay_s,
             initial,
             largest: 0.0,
-            noise: 0.0,
             segments: VecDeque::with_capacity(256),
             breakpoints: VecDeque::with_capacity(16),
             epoch: 0,
@@ -146,7 +150,7 @@ impl DelayLine {
             return if s < -slack_s || s < first.t0_s - slack_s {
                 N::constant(self.initial)
             } else {
-                read::<N>(first, first.t0_s, t_s).blurred(self.noise)
+                read(first, first.t0_s, t_s)
             };
         };
         let segment = &self.segments[i];
@@ -158,7 +162,7 @@ impl DelayLine {
         {
             i += 1;
         }
-        read::<N>(&self.segments[i], s, t_s).blurred(self.noise)
+        read(&self.segments[i], s, t_s)
     }
 
     /// How far a step from `t_s` may go: what has been smooth when it went in comes out
@@ -171,10 +175,15 @@ impl DelayLine {
         last.map_or(f64::INFINITY, |segment| segment.t0_s + self.delay_s - t_s)
     }
 
-    /// Stores the input over a part of an accepted step.
-    pub fn store(&mut self, segment: Segment) {
+    /// Stores the input over a part of an accepted step, known to within `doubt`.
+    pub fn store(&mut self, segment: Segment, doubt: f64) {
         let epoch = self.epoch.max(1);
-        self.segments.push_back(Segment { epoch, ..segment });
+        let noise = doubt + DIFFERENCES * f64::EPSILON * self.largest;
+        self.segments.push_back(Segment {
+            epoch,
+            noise,
+            ..segment
+        });
     }
 
     /// Segments from here on lie behind an event.
@@ -231,6 +240,7 @@ fn read<N: Signal>(segment: &Segment, s: f64, t_s: f64) -> N {
         };
         segment.rate.unwrap_or_else(|| segment.at(moving).rate)
     })
+    .blurred(segment.noise)
 }
 
 #[cfg(test)]

@@ -44,8 +44,8 @@ pub(crate) fn turn(degree: u32) -> f64 {
 pub(crate) enum Pace {
     /// A sine or cosine of the term, which turns by so much at most, rad.
     Angle(Term, f64),
-    /// The direction of the vector (x, y).
-    Direction { y: Term, x: Term },
+    /// The direction of the vector (x, y) of an arctangent whose element is `e`.
+    Direction { e: u32, y: Term, x: Term },
     /// A net divided by, or under a root.
     Pole(Slot),
     /// A delay line.
@@ -59,7 +59,7 @@ impl Pace {
             Op::Sine { o, a, c } | Op::Cosine { o, a, c } | Op::SinCos { o, a, c } => {
                 Some(Pace::Angle(Term { slot: a, c }, turn(powers[o as usize])))
             }
-            Op::Arctangent { y, x, .. } => Some(Pace::Direction { y, x }),
+            Op::Arctangent { e, y, x, .. } => Some(Pace::Direction { e, y, x }),
             Op::Quotient { b, .. } => Some(Pace::Pole(b)),
             Op::Root { a, .. } => Some(Pace::Pole(a)),
             Op::Delay { line, .. } => Some(Pace::Line(line)),
@@ -71,7 +71,7 @@ impl Pace {
     pub fn reads(&self, mut f: impl FnMut(Slot)) {
         match *self {
             Pace::Angle(term, _) => f(term.slot),
-            Pace::Direction { y, x } => {
+            Pace::Direction { y, x, .. } => {
                 f(y.slot);
                 f(x.slot);
             }
@@ -86,7 +86,7 @@ impl Pace {
     fn limit_s(&self, lines: &[DelayLine], t_s: f64, nets: &[Rated], largest: f64) -> f64 {
         match *self {
             Pace::Angle(term, turn) => turn / (term.c * nets[term.slot as usize].rate).abs(),
-            Pace::Direction { y, x } => {
+            Pace::Direction { y, x, .. } => {
                 let (y, x): (Rated, Rated) = (y.of(nets), x.of(nets));
                 let turn = (x.value * y.rate - y.value * x.rate).abs();
                 TURN * (x.value * x.value + y.value * y.value) / turn
@@ -115,7 +115,7 @@ impl Pace {
                 let most = turned.max(h_s * end[slot].rate.abs());
                 term.c.abs() * most <= SLACK * turn
             }
-            Pace::Direction { y, x } => {
+            Pace::Direction { y, x, .. } => {
                 let (y0, x0): (Rated, Rated) = (y.of(start), x.of(start));
                 let (y, x): (Rated, Rated) = (y.of(end), x.of(end));
                 let turn = h_s * (x.value * y.rate - y.value * x.rate).abs();

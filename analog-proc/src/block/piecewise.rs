@@ -216,6 +216,11 @@ impl Piecewise {
         }
     }
 
+    /// Whether its output jumps where a region is left.
+    pub fn jumps(&self) -> bool {
+        matches!(self, Piecewise::Comparator { .. } | Piecewise::Relay { .. })
+    }
+
     /// The fault of leaving the region within a step, where that is one whatever else
     /// happens at that instant.
     pub fn fatal(&self) -> Option<Fatal> {

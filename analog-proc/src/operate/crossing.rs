@@ -9,25 +9,82 @@ use super::search::{END, START};
 use super::watch::is_beyond;
 use crate::event::fatal;
 use crate::fault::RunFault;
+use crate::signal::Rated;
 
 /// Probes of one bracketing: bisection alone needs 60, every fourth probe bisects.
 const PROBES: usize = 250;
 
+/// A probe is laid beyond the expected crossing by this part of what the expectation moved last:
+/// the next lies before it, and both ends of the bracket close in.
+const BEYOND: f64 = 0.01;
+
+/// Iterations for the root of a cubic: what it leaves open, the next probe does not.
+const ROOT_ITERATIONS: usize = 12;
+
+/// The place between 0 and 1 where the cubic through `low` ≤ 0 and `high` > 0, with their rates
+/// over an interval of `h`, rises through zero: Newton's method, halving where that leaves the
+/// bracket.
+fn root_of_cubic(low: Rated, high: Rated, h: f64) -> f64 {
+    let (d0, d1) = (h * low.rate, h * high.rate);
+    let rise = high.value - low.value;
+    let (c2, c3) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
+    let (mut from, mut to) = (0.0, 1.0);
+    let mut x = (-low.value / rise).clamp(0.0, 1.0);
+    for _ in 0..ROOT_ITERATIONS {
+        let value = low.value + x * (d0 + x * (c2 + x * c3));
+        if value > 0.0 {
+            to = x;
+        } else {
+            from = x;
+        }
+        let next = x - value / (d0 + x * (2.0 * c2 + x * 3.0 * c3));
+        let next = if next > from && next < to {
+            next
+        } else {
+            0.5 * (from + to)
+        };
+        if (next - x).abs() <= 4.0 * f64::EPSILON {
+            return next;
+        }
+        x = next;
+    }
+    x
+}
+
+/// How a step ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Ending {
+    /// Nothing is crossed.
+    Whole,
+    /// It is cut at this instant, where nothing was crossed after all.
+    Cut(f64),
+    /// At this instant an element leaves its region.
+    Crossed(f64, u32),
+    /// The method failed at a shorter step than the one accepted.
+    Failed,
+}
+
 impl Engine {
     /// The sides at a node; what is beyond its surface by rounding alone is at it.
-    fn margins_at(&self, node: usize, margins: &mut [f64]) {
+    fn margins_at(&self, node: usize, margins: &mut [Rated]) {
         let node = &self.nodes[node];
         let sides = node.sides.iter().zip(&self.nodes[END].noise);
         for (margin, (side, noise)) in margins.iter_mut().zip(sides) {
             let is_noise = side.value > 0.0 && !is_beyond(*side, *noise);
-            *margin = if is_noise { 0.0 } else { side.value };
+            *margin = Rated {
+                value: if is_noise { 0.0 } else { side.value },
+                rate: side.rate,
+            };
         }
     }
 
-    /// Sides at `t_s`, into `margins`; true where a surface is crossed.
-    fn crossed_at(&mut self, t_s: f64, by_steps: bool) -> bool {
+    /// Sides at `t_s`, into `margins`; whether a surface is crossed, `None` where the method
+    /// does not get there.
+    fn crossed_at(&mut self, t_s: f64, by_steps: bool) -> Option<bool> {
         if by_steps {
-            self.attempt(t_s - self.t_s);
+            if !self.attempt(t_s - self.t_s).is_finite() {
+                return None;
+            }
             self.rate_end();
         } else {
             self.rate_at((t_s - self.step.t0_s) / self.step.h_s);
@@ -36,46 +93,49 @@ impl Engine {
         let mut margins = std::mem::take(&mut self.margins);
         self.margins_at(END, &mut margins);
         self.margins = margins;
-        self.margins.iter().any(|g| *g > 0.0)
+        Some(self.margins.iter().any(|g| g.value > 0.0))
     }
 
-    /// The end of the step as events have it: `None` where nothing is crossed; else
-    /// the end, and the element that is left there (none, if the step is merely cut).
-    /// The step, and what is watched of it, then end there.
-    pub(super) fn find_crossing(
-        &mut self,
-        end_s: f64,
-    ) -> Result<Option<(f64, Option<u32>)>, RunFault> {
+    /// Where the step to `end_s` ends by its events. The step, and what is watched of it, then
+    /// end there.
+    pub(super) fn find_crossing(&mut self, end_s: f64) -> Result<Ending, RunFault> {
         let start_s = self.t_s;
         let h_s = end_s - start_s;
         self.look_at_sides(END, 1.0);
         let Some((low, high)) = self.exclude(h_s)? else {
-            return Ok(None);
+            return Ok(Ending::Whole);
         };
+        self.find_noise_of_ends();
         let place = |node: usize| start_s + self.nodes[node].theta * h_s;
         let low_s = place(low);
-        let mut high_s = if high == END { end_s } else { place(high) };
-        let mut margins = std::mem::take(&mut self.margins_low);
-        self.margins_at(low, &mut margins);
-        self.margins_low = margins;
-        let mut margins = std::mem::take(&mut self.margins_high);
-        self.margins_at(high, &mut margins);
-        self.margins_high = margins;
-        let (_, guess_s) = self.narrow(low_s, high_s, 1e-6 * h_s, false);
+        let high_s = if high == END { end_s } else { place(high) };
+        let [mut low_margins, mut high_margins] =
+            [&mut self.margins_low, &mut self.margins_high].map(std::mem::take);
+        self.margins_at(low, &mut low_margins);
+        self.margins_at(high, &mut high_margins);
+        (self.margins_low, self.margins_high) = (low_margins, high_margins);
+        self.locate(low_s, high_s, h_s)
+            .unwrap_or(Ok(Ending::Failed))
+    }
+
+    /// Locates the crossing between `low_s` and `high_s` on the dense output of a step of `h_s`
+    /// first, then by steps; `None` where the method fails.
+    fn locate(&mut self, low_s: f64, high_s: f64, h_s: f64) -> Option<Result<Ending, RunFault>> {
+        let (_, guess_s) = self.narrow(low_s, high_s, low_s, 1e-6 * h_s, false)?;
         let mut margins = std::mem::take(&mut self.margins_low);
         self.margins_at(START, &mut margins);
         self.margins_low = margins;
-        if !self.crossed_at(high_s, true) {
+        if !self.crossed_at(high_s, true)? {
             // The dense output saw what the method does not confirm: the step is cut
             // there and goes on from its true value.
-            return Ok(Some((high_s, None)));
+            return Some(Ok(Ending::Cut(high_s)));
         }
         std::mem::swap(&mut self.margins, &mut self.margins_high);
-        let mut low_s = start_s;
+        let (mut low_s, mut high_s) = (self.t_s, high_s);
         let mut last_s = high_s;
         if guess_s > low_s && guess_s < high_s {
             last_s = guess_s;
-            if self.crossed_at(guess_s, true) {
+            if self.crossed_at(guess_s, true)? {
                 high_s = guess_s;
                 std::mem::swap(&mut self.margins, &mut self.margins_high);
             } else {
@@ -83,75 +143,99 @@ impl Engine {
                 std::mem::swap(&mut self.margins, &mut self.margins_low);
             }
         }
-        let (probed_s, located_s) = self.narrow(low_s, high_s, resolution_s(high_s), true);
-        if let Some(probed_s) = probed_s {
-            last_s = probed_s;
-        }
-        if last_s != located_s {
-            self.crossed_at(located_s, true);
+        let least_s = resolution_s(high_s);
+        let (probed_s, located_s) = self.narrow(low_s, high_s, guess_s, least_s, true)?;
+        if probed_s.unwrap_or(last_s) != located_s {
+            self.crossed_at(located_s, true)?;
         }
         let mut first = None;
         for (margin, e) in self.margins_high.iter().zip(&self.machine.element_of_side) {
-            if *margin > 0.0 {
+            if margin.value > 0.0 {
                 let (block, piecewise) = self.machine.elements[*e as usize];
                 if let Some(fault) = piecewise.fatal() {
-                    return Err(fatal(&self.machine, block, fault, located_s));
+                    return Some(Err(fatal(&self.machine, block, fault, located_s)));
                 }
                 first = first.or(Some(*e));
             }
         }
-        Ok(Some((located_s, first)))
+        Some(Ok(first.map_or(Ending::Cut(located_s), |element| {
+            Ending::Crossed(located_s, element)
+        })))
+    }
+
+    /// The earliest crossing between `low_s` (`margins_low`) and `high_s` (`margins_high`) by the
+    /// cubics of the sides.
+    fn expected_s(&self, low_s: f64, high_s: f64) -> f64 {
+        let h_s = high_s - low_s;
+        let pairs = self.margins_low.iter().zip(&self.margins_high);
+        let risen = pairs.filter(|(_, high)| high.value > 0.0);
+        let places = risen.map(|(low, high)| {
+            let low = Rated {
+                value: low.value.min(0.0),
+                rate: low.rate,
+            };
+            root_of_cubic(low, *high, h_s)
+        });
+        low_s + h_s * places.fold(1.0, f64::min)
+    }
+
+    /// Whether rounding alone is left between the ends of the bracket, of the one side that is
+    /// crossed.
+    fn is_level(&self) -> bool {
+        let margins = self.margins_low.iter().zip(&self.margins_high);
+        let mut crossed = margins
+            .zip(&self.nodes[END].noise)
+            .filter(|((_, high), _)| high.value > 0.0);
+        let level = |((low, high), noise): ((&Rated, &Rated), &f64)| {
+            -low.value <= *noise && high.value <= *noise
+        };
+        crossed.next().is_some_and(level) && crossed.next().is_none()
     }
 
     /// Narrows a bracket whose lower end is not crossed (`margins_low`) and whose upper
-    /// end is (`margins_high`) to `width_s`: the Illinois form of false position on the
-    /// earliest side, with a bisection every fourth time. Returns the last instant
-    /// probed and the upper end.
+    /// end is (`margins_high`) to `width_s`, or to rounding, by the cubics through both ends, with
+    /// a bisection every fourth time; `former_s` is where the crossing was expected before. Returns the last instant probed and the upper end; `None` where the
+    /// method fails.
     fn narrow(
         &mut self,
         mut low_s: f64,
         mut high_s: f64,
+        mut former_s: f64,
         width_s: f64,
         by_steps: bool,
-    ) -> (Option<f64>, f64) {
-        let (mut weight_low, mut weight_high, mut side) = (1.0, 1.0, 0);
+    ) -> Option<(Option<f64>, f64)> {
         let mut probed = None;
+        let mut was_crossed = false;
         for probe in 0..PROBES {
-            if high_s - low_s <= width_s {
+            if high_s - low_s <= width_s || by_steps && self.is_level() {
                 break;
             }
             let mut t_s = 0.5 * (low_s + high_s);
             if probe % 4 != 3 {
-                let mut earliest_s = high_s;
-                for (low, high) in self.margins_low.iter().zip(&self.margins_high) {
-                    if *high > 0.0 {
-                        let (low, high) = (weight_low * low.min(0.0), weight_high * high);
-                        let root_s = low_s + (high_s - low_s) * (low / (low - high));
-                        if root_s < earliest_s {
-                            earliest_s = root_s;
-                        }
-                    }
-                }
-                t_s = earliest_s.clamp(low_s + 0.5 * width_s, high_s - 0.5 * width_s);
+                let expected_s = self.expected_s(low_s, high_s);
+                let moved_s = (expected_s - former_s).abs();
+                let beyond_s = (BEYOND * moved_s).max(0.5 * width_s);
+                former_s = expected_s;
+                t_s = if was_crossed {
+                    expected_s - beyond_s
+                } else {
+                    expected_s + beyond_s
+                };
+                t_s = t_s.clamp(low_s + 0.5 * width_s, high_s - 0.5 * width_s);
             }
             if !(t_s > low_s && t_s < high_s) {
                 break;
             }
             probed = Some(t_s);
-            if self.crossed_at(t_s, by_steps) {
+            was_crossed = self.crossed_at(t_s, by_steps)?;
+            if was_crossed {
                 high_s = t_s;
                 std::mem::swap(&mut self.margins, &mut self.margins_high);
-                weight_high = 1.0;
-                weight_low = if side == 1 { 0.5 * weight_low } else { 1.0 };
-                side = 1;
             } else {
                 low_s = t_s;
                 std::mem::swap(&mut self.margins, &mut self.margins_low);
-                weight_low = 1.0;
-                weight_high = if side == -1 { 0.5 * weight_high } else { 1.0 };
-                side = -1;
             }
         }
-        (probed, high_s)
+        Some((probed, high_s))
     }
 }

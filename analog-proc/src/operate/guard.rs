@@ -2,7 +2,7 @@
 //! time, events that repeat without progress. Each fault names the block.
 
 use super::Engine;
-use super::instants::LEAST_TIME_S;
+use super::instants::{LEAST_TIME_S, resolution_s};
 use crate::fault::RunFault;
 
 /// This many events within [`CHATTER_SPAN`] are chatter: a bouncing ball that loses a
@@ -11,6 +11,47 @@ const CHATTER_EVENTS: u32 = 1000;
 
 /// Relative progress of time under which events count as repeated.
 const CHATTER_SPAN: f64 = 1e-9;
+
+/// Switchings accumulate where so many on end follow each other more quickly by a tenth …
+const ZENO_EVENTS: u32 = 5;
+
+const ZENO_RATIO: f64 = 0.9;
+
+/// … down to this part of the first of their intervals: soon there are too many to count.
+const ZENO_SPAN: f64 = 1e-6;
+
+/// So do those that begin with as many on end, each within so many resolutions of time of the
+/// one before.
+const ZENO_START: f64 = 64.0;
+
+/// When an element was last left from its first region, and how its switchings follow one another.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Switched {
+    at_s: f64,
+    interval_s: f64,
+    /// The interval from which on each is shorter than the one before, and how many are.
+    first_s: f64,
+    shorter: u32,
+    /// How many intervals on end time hardly resolves.
+    unresolved: u32,
+}
+
+impl Switched {
+    /// Whether a switching at `t_s` is one of a sequence that accumulates.
+    fn accumulates(&mut self, t_s: f64) -> bool {
+        let interval_s = t_s - self.at_s;
+        if interval_s <= ZENO_RATIO * self.interval_s {
+            self.shorter += 1;
+        } else {
+            (self.first_s, self.shorter) = (interval_s, 0);
+        }
+        let resolved = interval_s > ZENO_START * resolution_s(t_s);
+        self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
+        (self.at_s, self.interval_s) = (t_s, interval_s);
+        self.unresolved >= ZENO_EVENTS
+            || self.shorter >= ZENO_EVENTS && interval_s <= ZENO_SPAN * self.first_s
+    }
+}
 
 /// Whether all are finite: zero times a finite number is zero. Eight sums side by side,
 /// so that no addition waits for the one before.
@@ -88,15 +129,15 @@ impl Engine {
             self.chatter = 0;
         }
         self.chatter += 1;
-        if self.chatter < CHATTER_EVENTS {
+        let (block, piecewise) = self.machine.elements[element as usize];
+        let counts = piecewise.jumps() && self.frozen.region[element as usize] == 0;
+        let accumulates = counts && self.switched[element as usize].accumulates(self.t_s);
+        if self.chatter < CHATTER_EVENTS && !accumulates {
             return Ok(());
         }
-        let block = self
-            .machine
-            .block_name(self.machine.elements[element as usize].0);
         Err(RunFault::Chatter {
             t_s: self.t_s,
-            block,
+            block: self.machine.block_name(block),
             events: self.chatter,
         })
     }

@@ -3,7 +3,7 @@
 
 use super::Engine;
 use crate::block::delay::Segment;
-use crate::signal::Rated;
+use crate::signal::{Doubted, Rated};
 
 /// Halvings of a step; a corner that is none of a region (the root of zero) ends there.
 const MOST_HALVINGS: u32 = 8;
@@ -25,6 +25,7 @@ impl Engine {
     pub(super) fn store_delays(&mut self) {
         self.past.clear();
         let ends = [0.0, 0.5, 1.0].map(|theta| self.take_in(theta));
+        self.doubt(false, 1.0);
         self.store_part(0.0, 1.0, ends, MOST_HALVINGS);
     }
 
@@ -49,7 +50,8 @@ impl Engine {
         if met || halvings == 0 {
             for (i, line) in self.frozen.lines.iter_mut().enumerate() {
                 let nodes: [Rated; 3] = at.map(|first| self.past[first + i]);
-                line.store(Segment::through(t0_s, h_s, nodes));
+                let input: Doubted = line.input.of(&self.doubted);
+                line.store(Segment::through(t0_s, h_s, nodes), input.doubt);
             }
             return;
         }

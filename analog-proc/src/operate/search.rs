@@ -38,6 +38,12 @@ const BULGE: f64 = 16.0 / 6.0;
 /// A divisor within so many roundings of zero, over the shortest interval, is zero.
 const NEAR_ZERO: f64 = 64.0;
 
+/// Divisions at turns before those in the middle.
+const TURN_DEPTH: usize = 4;
+
+/// The least part of an interval that is divided off.
+const LEAST_PART: f64 = 0.02;
+
 /// Halvings before the rounding at the ends of an interval is taken for that within it.
 const NOISE_DEPTH: usize = 6;
 
@@ -46,7 +52,8 @@ enum Verdict {
     Clear,
     /// A side rises through zero once, and no other does before it turns back.
     Crossed,
-    Unknown,
+    /// Of this side it cannot be told.
+    Unknown(usize),
 }
 
 /// Coefficients of degree four of the cubic over an interval of length `h`, without the
@@ -70,10 +77,23 @@ fn third(a: Rated, b: Rated, h: f64) -> f64 {
     2.0 * (a.value - b.value) + h * (a.rate + b.rate)
 }
 
-/// The greater of two defined numbers, without a branch.
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+/// The part of an interval at which the cubic over it turns, or near it; a maximum first.
+fn turn(a: Rated, b: Rated, h: f64) -> Option<f64> {
+    let (d0, d1) = (h * a.rate, h * b.rate);
+    let rise = b.value - a.value;
+    let (c2, c3) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
+    let root = (c2 * c2 - 3.0 * c3 * d0).sqrt();
+    // Of d0 + 2 c2 x + 3 c3 x²: the slope falls through the first of the zeros, rises through
+    // the second.
+    let q = -(c2 + root.copysign(c2));
+    let [falls, rises] = if c2 < 0.0 {
+        [d0 / q, q / (3.0 * c3)]
+    } else {
+        [q / (3.0 * c3), d0 / q]
+    };
+    let within = |x: &f64| *x > 0.0 && *x < 1.0;
+    let place = [falls, rises].into_iter().find(within)?;
+    Some(place.clamp(LEAST_PART, 1.0 - LEAST_PART))
 }
 
 impl Engine {
@@ -83,19 +103,17 @@ impl Engine {
         let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
         let cube = h_s * h_s * h_s;
         let scale = cube / self.former_cube;
-        // Nearly every step is done with here: one pass without branches. What is undefined
-        // stays so in the sum.
-        let (mut greatest, mut undefined) = (f64::NEG_INFINITY, 0.0);
+        // Nearly every step is done with here: one pass without branches. What is undefined is
+        // not clear.
+        let mut clear = true;
         let thirds = self.thirds.iter_mut().zip(&self.former_thirds);
         for ((a, b), (now, former)) in start.iter().zip(end).zip(thirds) {
             *now = third(*a, *b, h_s);
             let bulge = BULGE * CHANGE * (*now - scale * former).abs();
             let [c0, c1, c2, c3, c4] = bernstein(*a, *b, h_s);
-            let ends = greater(greater(c0, c1), greater(c3, c4));
-            greatest = greater(greater(ends, c2 + bulge), greatest);
-            undefined += bulge * 0.0;
+            clear &= (c0 <= 0.0) & (c1 <= 0.0) & (c2 + bulge <= 0.0) & (c3 <= 0.0) & (c4 <= 0.0);
         }
-        if greatest <= 0.0 && undefined == 0.0 && self.followed && self.machine.smooth {
+        if clear && self.followed && self.machine.smooth {
             return Ok(None);
         }
         self.active.clear();
@@ -113,26 +131,41 @@ impl Engine {
         if self.active.is_empty() {
             return Ok(None);
         }
-        self.find_noise(START);
-        self.find_noise(END);
+        // Where a side is beyond its surface and returns, rounding tells whether it was crossed.
+        for node in [START, END] {
+            if self.has_active(node, |side| side.value > 0.0 && side.rate < 0.0) {
+                self.find_noise(node);
+            }
+        }
         self.probes = 0;
         if self.followed {
             match self.verdict(START, END, 0, h_s) {
                 Verdict::Clear => return Ok(None),
                 Verdict::Crossed => return Ok(Some((START, END))),
-                Verdict::Unknown => {}
+                Verdict::Unknown(side) => return self.split(START, END, 0, h_s, Some(side)),
             }
         }
-        self.split(START, END, 0, h_s)
+        self.split(START, END, 0, h_s, None)
     }
 
-    /// Halves an interval of which too little is known.
+    /// The rounding at both ends of the whole step.
+    pub(super) fn find_noise_of_ends(&mut self) {
+        self.find_noise(START);
+        if !self.nodes[END].doubted {
+            self.rate_end();
+            self.find_noise(END);
+        }
+    }
+
+    /// Divides an interval of which too little is known, of `side` perhaps: where that turns, as
+    /// far as its cubic tells, else in the middle.
     fn split(
         &mut self,
         a: usize,
         b: usize,
         depth: usize,
         h_s: f64,
+        side: Option<usize>,
     ) -> Result<Option<(usize, usize)>, RunFault> {
         self.probes += 1;
         if self.probes > MOST_PROBES {
@@ -144,38 +177,57 @@ impl Engine {
             self.nodes.push(node);
             self.errors.push(self.errors[0].clone());
         }
-        let theta = 0.5 * (self.nodes[a].theta + self.nodes[b].theta);
+        if depth + 1 == NOISE_DEPTH {
+            self.find_noise_of_ends();
+        }
+        let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
+        let side = side.filter(|_| depth < TURN_DEPTH);
+        let turn = side.and_then(|i| turn(self.nodes[a].sides[i], self.nodes[b].sides[i], width_s));
+        let part = turn.unwrap_or(0.5);
+        let theta = (1.0 - part) * self.nodes[a].theta + part * self.nodes[b].theta;
         self.rate_at(theta);
         self.look_at_sides(middle, theta);
-        self.find_noise(middle);
-        let width_s = h_s * (self.nodes[b].theta - self.nodes[a].theta);
+        if depth + 1 >= NOISE_DEPTH || self.has_active(middle, |side| side.value > 0.0) {
+            self.find_noise(middle);
+        }
+        // The bulge of the error, and its slope, at the place of division.
+        let (rest, bulge) = (1.0 - part, 16.0 * (part * (1.0 - part)).powi(2));
         for &i in &self.active {
             let i = i as usize;
             let [low, mid, high] = [a, middle, b].map(|n| self.nodes[n].sides[i]);
             let (d0, d1) = (width_s * low.rate, width_s * high.rate);
-            let value = 0.5 * (low.value + high.value) + 0.125 * (d0 - d1);
-            let slope = 1.5 * (high.value - low.value) - 0.25 * (d0 + d1);
+            let value = rest * rest * ((1.0 + 2.0 * part) * low.value + part * d0)
+                + part * part * ((1.0 + 2.0 * rest) * high.value - rest * d1);
+            let slope = 6.0 * part * rest * (high.value - low.value)
+                + rest * (1.0 - 3.0 * part) * d0
+                + part * (3.0 * part - 2.0) * d1;
             let missed = (width_s * mid.rate - slope).abs();
-            self.errors[depth + 1][i] = (mid.value - value).abs().max(0.25 * missed);
+            self.errors[depth + 1][i] = (mid.value - value).abs().max(0.25 * missed) / bulge;
         }
         for (low, high) in [(a, middle), (middle, b)] {
             match self.verdict(low, high, depth + 1, h_s) {
                 Verdict::Clear => {}
                 Verdict::Crossed => return Ok(Some((low, high))),
-                Verdict::Unknown => {
+                Verdict::Unknown(side) => {
+                    let width_s = h_s * (self.nodes[high].theta - self.nodes[low].theta);
                     let least_s = 4.0 * resolution_s(self.t_s + h_s);
-                    if 0.5 * width_s <= least_s {
+                    if width_s <= least_s {
                         self.refuse_touch(low, high)?;
                         if self.is_crossed(high) {
                             return Ok(Some((low, high)));
                         }
-                    } else if let Some(found) = self.split(low, high, depth + 1, h_s)? {
+                    } else if let Some(found) = self.split(low, high, depth + 1, h_s, Some(side))? {
                         return Ok(Some(found));
                     }
                 }
             }
         }
         Ok(None)
+    }
+
+    fn has_active(&self, node: usize, is: impl Fn(Rated) -> bool) -> bool {
+        let sides = &self.nodes[node].sides;
+        self.active.iter().any(|&i| is(sides[i as usize]))
     }
 
     fn is_crossed(&self, node: usize) -> bool {
@@ -224,7 +276,7 @@ impl Engine {
         for &i in &self.active {
             let i = i as usize;
             if depth < usize::from(self.machine.halvings[i]) {
-                return Verdict::Unknown;
+                return Verdict::Unknown(i);
             }
             let (low, high) = (self.nodes[a].sides[i], self.nodes[b].sides[i]);
             let [c0, c1, c2, c3, c4] = bernstein(low, high, width_s);
@@ -233,7 +285,12 @@ impl Engine {
             let within = if depth < NOISE_DEPTH || self.is_fatal(i) {
                 0.0
             } else {
-                self.nodes[a].noise[i].min(self.nodes[b].noise[i])
+                // One of them is known: it was looked at this deep.
+                let known = [a, b].map(|node| &self.nodes[node]).into_iter();
+                let known = known.filter(|node| node.doubted);
+                known
+                    .map(|node| node.noise[i])
+                    .fold(f64::INFINITY, f64::min)
             };
             let is_number = (inside + bulge).is_finite();
             let [at_start, at_end] = [a, b].map(|node| self.is_side_crossed(i, node));
@@ -242,7 +299,7 @@ impl Engine {
             }
             let rising = at_end && c1 >= c0 && c2 - bulge >= c1 && c3 >= c2 + bulge && c4 >= c3;
             if !rising {
-                return Verdict::Unknown;
+                return Verdict::Unknown(i);
             }
             crossed = true;
         }

@@ -33,11 +33,12 @@ impl Engine {
                 changed = true;
             }
         }
-        if !changed {
+        let counts = changed && self.machine.scales.contains(&None);
+        if !counts && !at_start {
             return;
         }
-        let growing = self.turned.iter().any(|turned| !turned);
-        if growing {
+        let unscaled = |(scale, turned): (&Option<f64>, &bool)| scale.is_none() && !turned;
+        if self.machine.scales.iter().zip(&self.turned).any(unscaled) {
             let nets = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             self.greatest = self.greatest.max(nets);
         }

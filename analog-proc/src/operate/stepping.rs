@@ -1,5 +1,6 @@
 //! One step: its length by the error controller, its end by the stop or an event.
 
+use super::crossing::Ending;
 use super::instants::resolution_s;
 use super::{Engine, Heed, Recorder};
 use crate::fault::RunFault;
@@ -129,7 +130,7 @@ impl Engine {
         }
         let mut end_s = self.end_of(h_s, target_s, room_s);
         let mut rejected = false;
-        loop {
+        let ending = loop {
             // The step as time resolves it; the wish goes on shrinking below that.
             let step_s = end_s - self.t_s;
             let error = self.attempt(step_s);
@@ -143,8 +144,11 @@ impl Engine {
                 }
             } else {
                 if self.keeps_pace(step_s) {
-                    self.propose(error, step_s, proposal_s, rejected);
-                    break;
+                    let ending = self.find_crossing(end_s)?;
+                    if !matches!(ending, Ending::Failed) {
+                        self.propose(error, step_s, proposal_s, rejected);
+                        break ending;
+                    }
                 }
                 0.5
             };
@@ -161,13 +165,15 @@ impl Engine {
                 });
             }
             end_s = self.end_of(h_s, target_s, room_s);
-        }
-        let crossed = self.find_crossing(end_s)?;
-        self.count_cuts(matches!(crossed, Some((_, None))))?;
-        let end_s = crossed.map_or(end_s, |c| c.0);
+        };
+        self.count_cuts(matches!(ending, Ending::Cut(_)))?;
+        let (end_s, cut) = match ending {
+            Ending::Cut(end_s) | Ending::Crossed(end_s, _) => (end_s, true),
+            Ending::Whole | Ending::Failed => (end_s, false),
+        };
         self.complete(end_s);
-        self.finish(end_s, crossed.is_some(), recorder)?;
-        if let Some((_, Some(element))) = crossed {
+        self.finish(end_s, cut, recorder)?;
+        if let Ending::Crossed(_, element) = ending {
             self.statistics.events += 1;
             self.count_chatter(element)?;
             self.settle(false, Some(0))?;

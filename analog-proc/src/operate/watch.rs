@@ -6,6 +6,7 @@
 
 use super::Engine;
 use super::search::START;
+use crate::block::pace::Pace;
 use crate::machine::Machine;
 use crate::signal::{Doubted, Rated, Signal};
 
@@ -15,17 +16,15 @@ const ABSENT: f64 = -1e300;
 /// Rounding of a state that was reached by steps of different length, in parts of it.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Roundings of what a delay line's divided differences are formed of.
-const DIFFERENCES: f64 = 16.0;
-
 /// The sides of all watched regions at one instant of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
     /// Its place in the step, 0 to 1.
     pub theta: f64,
     pub sides: Vec<Rated>,
-    /// What rounding alone can have made of each, where it was asked for.
+    /// What rounding alone can have made of each, where it was asked for (`doubted`).
     pub noise: Vec<f64>,
+    pub doubted: bool,
 }
 
 fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [N]) {
@@ -65,8 +64,33 @@ impl Engine {
         self.followed = false;
         let region = &self.frozen.region;
         let start = &mut self.nodes[START];
+        start.doubted = false;
         sides(&self.machine, region, &self.rated_start, &mut start.sides);
         self.look_at_paces();
+    }
+
+    /// After settling: a vector that is zero has the angle to which it leaves; zero, if it does not
+    /// move. Whether that changes an angle.
+    pub(super) fn turn_vectors(&mut self) -> bool {
+        let mut turned = false;
+        for (pace, _) in &self.machine.paces {
+            let Pace::Direction { e, y, x } = *pace else {
+                continue;
+            };
+            let (y, x): (Rated, Rated) = (y.of(&self.rated_start), x.of(&self.rated_start));
+            if y.value == 0.0 && x.value == 0.0 {
+                let moves = y.rate != 0.0 || x.rate != 0.0;
+                let angle = if moves {
+                    libm::atan2(y.rate, x.rate)
+                } else {
+                    0.0
+                };
+                let place = &mut self.frozen.piece[e as usize].y0;
+                turned |= *place != angle;
+                *place = angle;
+            }
+        }
+        turned
     }
 
     pub(super) fn look_at_paces(&mut self) {
@@ -109,6 +133,7 @@ impl Engine {
     pub(super) fn look_at_sides(&mut self, node: usize, theta: f64) {
         let node = &mut self.nodes[node];
         node.theta = theta;
+        node.doubted = false;
         sides(
             &self.machine,
             &self.frozen.region,
@@ -118,24 +143,12 @@ impl Engine {
     }
 
     /// What rounding alone can have made of the sides of a node, while `rated` holds the nets
-    /// there (`rated_start` at the start of the step).
+    /// there (`rated_start` at the start of the step), if that is not known yet.
     pub(super) fn find_noise(&mut self, node: usize) {
-        let nets = if node == START {
-            &self.rated_start
-        } else {
-            &self.rated
-        };
-        for (doubted, rated) in self.doubted.iter_mut().zip(nets) {
-            *doubted = Doubted::constant(rated.value);
+        if std::mem::replace(&mut self.nodes[node].doubted, true) {
+            return;
         }
-        for doubted in &mut self.doubted[..self.step.y0.len()] {
-            doubted.doubt = ROUNDING * doubted.value.abs();
-        }
-        let t_s = self.step.t0_s + self.nodes[node].theta * self.step.h_s;
-        for op in &self.machine.watch {
-            self.machine
-                .evaluate(op, &self.frozen, t_s, &mut self.doubted);
-        }
+        self.doubt(node == START, self.nodes[node].theta);
         let (region, doubts) = (&self.frozen.region, &mut self.doubts);
         sides(&self.machine, region, &self.doubted, doubts);
         let noise = &mut self.nodes[node].noise;
@@ -146,9 +159,26 @@ impl Engine {
                 0.0
             };
         }
-        for line in &mut self.frozen.lines {
-            let input: Doubted = line.input.of(&self.doubted);
-            line.noise = input.doubt + DIFFERENCES * f64::EPSILON * line.largest;
+    }
+
+    /// What rounding leaves undecided of the nets that `rated` holds, at the place `theta` of
+    /// the step (of those that `rated_start` holds, `at_start`).
+    pub(super) fn doubt(&mut self, at_start: bool, theta: f64) {
+        let nets = if at_start {
+            &self.rated_start
+        } else {
+            &self.rated
+        };
+        for (doubted, rated) in self.doubted.iter_mut().zip(nets) {
+            *doubted = Doubted::constant(rated.value);
+        }
+        for doubted in &mut self.doubted[..self.step.y0.len()] {
+            doubted.doubt = ROUNDING * doubted.value.abs();
+        }
+        let t_s = self.step.t0_s + theta * self.step.h_s;
+        for op in &self.machine.watch {
+            self.machine
+                .evaluate(op, &self.frozen, t_s, &mut self.doubted);
         }
     }
 

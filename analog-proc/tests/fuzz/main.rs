@@ -127,10 +127,11 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
     let count = |f: fn(&Verdict) -> bool| verdicts.values().filter(|v| f(v)).count();
     let all = verdicts.len();
     let sensitive = count(|v| *v == Verdict::Sensitive);
+    let flagged = count(|v| *v == Verdict::Flagged);
     let refused = count(|v| matches!(v, Verdict::Refused(_)));
     let unfit = count(|v| matches!(v, Verdict::Unfit(_)));
     println!(
-        "{all} patches: {} agree, {} end in the same fault, {sensitive} are ill-conditioned, {refused} are refused, {unfit} are unfit",
+        "{all} patches: {} agree, {} end in the same fault, {sensitive} are ill-conditioned, {flagged} are flagged, {refused} are refused, {unfit} are unfit",
         count(|v| *v == Verdict::Agreed),
         count(|v| *v == Verdict::SameFault),
     );
@@ -173,8 +174,8 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
     );
     assert_eq!(wrong, 0, "patches with silently wrong answers");
     assert!(
-        100 * sensitive < 3 * all.max(34),
-        "{sensitive} of {all} ill-conditioned"
+        100 * (sensitive + flagged) < 3 * all.max(34),
+        "{sensitive} of {all} ill-conditioned, {flagged} flagged"
     );
     assert!(100 * refused < all.max(100), "{refused} of {all} refused");
 }
@@ -235,4 +236,11 @@ fn patches_repeat_by_seed() {
     for seed in 0..200 {
         assert_eq!(generator::patch(seed), generator::patch(seed));
     }
+}
+
+#[test]
+#[ignore = "prints the patch of FUZZ_SEED"]
+fn show() {
+    let patch = generator::patch(setting("FUZZ_SEED", 0));
+    println!("# until {} s\n{}", patch.until_s, patch.text());
 }

@@ -2,6 +2,9 @@
 
 use crate::random::Random;
 
+/// A net of one, for offsets; no name of the generator's.
+const OFFSET: &str = "offset";
+
 /// One weighted net.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
@@ -154,11 +157,12 @@ impl Patch {
         format!("[blocks]\n{}\n", lines.join("\n"))
     }
 
-    /// The same with every number off by up to `relative`.
+    /// The same with every number off by up to `relative`, and every integrator's input by as
+    /// much of one: what errors of the size `relative` in every step can do.
     pub fn perturbed(&self, relative: f64, random: &mut Random) -> Patch {
         let mut patch = self.clone();
-        let mut each = |v: &mut f64| *v *= 1.0 + relative * random.between(-1.0, 1.0);
         for block in &mut patch.blocks {
+            let mut each = |v: &mut f64| *v *= 1.0 + relative * random.between(-1.0, 1.0);
             // A weight of one is a wire: it stays so in logic, where nothing may be weighted.
             for term in block.inputs.iter_mut().filter(|t| t.c != 1.0) {
                 each(&mut term.c);
@@ -166,7 +170,19 @@ impl Patch {
             for (_, field) in &mut block.fields {
                 field.numbers(&mut each);
             }
+            if block.kind == "integrator" && relative > 0.0 {
+                block.inputs.push(Term {
+                    c: relative * random.between(-1.0, 1.0),
+                    net: OFFSET.into(),
+                });
+            }
         }
+        patch.blocks.push(Block {
+            name: OFFSET.into(),
+            kind: "constant",
+            inputs: Vec::new(),
+            fields: vec![("value", Field::Number(1.0))],
+        });
         patch
     }
 }

@@ -122,3 +122,23 @@ fn an_ellipse_that_all_but_touches_the_origin_turns_once_a_period() {
     assert_eq!(bench.net("n"), 100.0);
     assert_eq!(bench.net("m"), 100.0);
 }
+
+#[test]
+fn a_vector_that_leaves_the_origin_has_its_direction_at_once() {
+    // Both components start at rest and grow from 0.82 s on; before, the angle is zero.
+    let blocks = r#"
+        v = { kind = "signal-generator", wave = "ramp", amplitude = -1.3, start = 0.82 }
+        angle = { kind = "arctangent", in = ["-1 * v", "-1 * v"] }
+        area = { kind = "integrator", in = ["angle"] }
+    "#;
+    for integration in [
+        "",
+        "method = \"runge-kutta-4\"\nstep = 0.01",
+        "method = \"sdirk4\"",
+    ] {
+        let mut bench = Bench::with(integration, blocks);
+        bench.run(2.1);
+        let error = (bench.net("area") - PI / 4.0 * (2.1 - 0.82)).abs();
+        assert!(error < 1e-12, "{integration}: {error:e}");
+    }
+}

@@ -86,3 +86,36 @@ fn an_overload_of_a_sine_of_time_stops_the_run() {
         assert!((latched.value - 1.1 * max).abs() < 1e-9, "{latched:?}");
     }
 }
+
+#[test]
+fn switchings_whose_number_is_left_to_rounding_end_the_run() {
+    // Each reset lets the threshold be met sooner, by a factor, until there is no time between.
+    let shrinking = r#"
+        one = { kind = "constant", value = 1.0 }
+        fall = { kind = "integrator", in = ["-1 * one"] }
+        late = { kind = "transport-delay", in = ["0.1946758165732183 * fall"], delay = 0.4790764180619553, initial = -0.0917370746607078 }
+        on = { kind = "comparator", in = ["-1 * late", "1.5058516028045046 * y"], threshold = 0.20463082559532775 }
+        x = { kind = "integrator", in = ["-1 * slope"], reset = "on" }
+        slope = { kind = "cosine", in = ["y"] }
+        y = { kind = "integrator", in = ["-1 * x", "-3.238832001437266 * y"] }
+        n = { kind = "counter", in = ["on"] }
+    "#;
+    // Or they begin without time between, and grow.
+    let growing = r#"
+        t = { kind = "time" }
+        y = { kind = "integrator", in = ["held", "-2.613171079507003 * y"], ic = 0.45305364395006276, reset = "on" }
+        on = { kind = "comparator", in = ["1.0196587914014568 * x", "-1.5053359033152183 * y"], threshold = -0.7724618199247687 }
+        held = { kind = "track-store", in = ["-1.2556651175835998 * t"], track = "on", ic = -0.3308111500322455 }
+        x = { kind = "integrator", in = ["-1.578116011910719 * t", "-0.8761467331091723 * x"], ic = 0.4053826386429229, limits = [-0.12672699376924818, 0.7797300858410373] }
+        n = { kind = "counter", in = ["on"] }
+    "#;
+    for (blocks, near_s) in [(shrinking, 1.22146), (growing, 0.69004)] {
+        match Bench::new(blocks).try_run(3.0) {
+            Err(RunFault::Chatter { block, t_s, .. }) => {
+                assert_eq!(block, "on");
+                assert!((t_s - near_s).abs() < 1e-5, "at {t_s} s");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}

@@ -9,9 +9,9 @@ use super::{
     waiting::{Limit, Patience, Watch, wait},
 };
 use crate::{
-    Side,
+    Side, Tick,
     control::{Reply, Request},
-    frame::{Samples, Updates},
+    frame::{RunState, Samples, Updates},
     protocol::{self, Protocol},
 };
 use std::time::{Duration, Instant};
@@ -23,8 +23,8 @@ const LOOK: Duration = Duration::from_millis(10);
 pub trait AnalogWire: Watch {
     /// Sends samples; `lossy` allows to lose a frame that finds no room.
     fn put_samples(&mut self, samples: &Samples, lossy: bool) -> Result<(), LinkFault>;
-    /// Takes the next updates in order of sending.
-    fn take_updates(&mut self) -> Result<Option<Updates>, LinkFault>;
+    /// Takes the next updates in order of sending, if there are any.
+    fn take_updates(&mut self, into: &mut Updates) -> Result<bool, LinkFault>;
     /// Takes the next request once all of it has come.
     fn take_request(&mut self) -> Result<Option<Request>, LinkFault>;
     /// Answers it.
@@ -35,8 +35,8 @@ pub trait AnalogWire: Watch {
 
 /// What a transport does for the digital end. Nothing here blocks.
 pub trait DigitalWire: Watch {
-    /// Takes the next samples in order of sending.
-    fn take_samples(&mut self) -> Result<Option<Samples>, LinkFault>;
+    /// Takes the next samples in order of sending, if there are any.
+    fn take_samples(&mut self, into: &mut Samples) -> Result<bool, LinkFault>;
     /// Sends updates; `lossy` allows to lose a frame that finds no room.
     fn put_updates(&mut self, updates: &Updates, lossy: bool) -> Result<(), LinkFault>;
     /// Begins to send a request.
@@ -135,11 +135,9 @@ impl<W: AnalogWire> AnalogEnd<W> {
         )
     }
 
-    fn admit(&mut self, updates: Updates, frame: u64) -> Result<Updates, LinkFault> {
-        self.protocol
-            .updates(updates.frame)
-            .map_err(|e| e.at(frame))?;
-        Ok(updates)
+    fn admit(&mut self, updates: &Updates, frame: u64) -> Result<(), LinkFault> {
+        let admitted = self.protocol.updates(updates.frame);
+        admitted.map_err(|e| e.at(frame))
     }
 }
 
@@ -156,18 +154,19 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
     }
 
     fn await_updates(&mut self, frame: u64) -> Result<Updates, LinkFault> {
+        let mut updates = Updates::new(frame, Tick::ZERO);
         loop {
-            let updates = match self.early.take() {
-                Some(updates) => updates,
+            match self.early.take() {
+                Some(early) => updates = early,
                 None => wait(
                     &self.patience,
                     &mut self.wire,
                     frame_limit(&self.protocol),
                     frame,
-                    AnalogWire::take_updates,
+                    |wire| Ok(wire.take_updates(&mut updates)?.then_some(())),
                 )?,
-            };
-            let updates = self.admit(updates, frame)?;
+            }
+            self.admit(&updates, frame)?;
             if updates.frame >= frame {
                 return Ok(updates);
             }
@@ -176,19 +175,28 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
 
     fn poll_updates(&mut self, frame: u64) -> Result<Option<Updates>, LinkFault> {
         self.patience.check_interrupt(frame)?;
-        let waiting = match self.early.take() {
-            Some(updates) => Some(updates),
-            None => self.wire.take_updates()?,
-        };
-        match waiting {
-            Some(updates) if updates.frame > frame && self.protocol.may_skip() => {
-                self.early = Some(updates);
-                Ok(None)
+        let mut updates = Updates::new(frame, Tick::ZERO);
+        let came = match self.early.take() {
+            Some(early) => {
+                updates = early;
+                true
             }
-            Some(updates) => self.admit(updates, frame).map(Some),
-            None if self.wire.gone() => Err(died(&self.wire, frame)),
-            None => Ok(None),
+            None => self.wire.take_updates(&mut updates)?,
+        };
+        if !came {
+            let gone = self.wire.gone();
+            return if gone {
+                Err(died(&self.wire, frame))
+            } else {
+                Ok(None)
+            };
         }
+        if updates.frame > frame && self.protocol.may_skip() {
+            self.early = Some(updates);
+            return Ok(None);
+        }
+        self.admit(&updates, frame)?;
+        Ok(Some(updates))
     }
 
     fn attend(&mut self) -> Result<(), LinkFault> {
@@ -217,7 +225,8 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
         if let Request::Operate(_) = request {
             // Late updates of an earlier run on the wall clock; in lock-step there are none.
             self.early = None;
-            while self.wire.take_updates()?.is_some() {}
+            let mut late = Updates::new(0, Tick::ZERO);
+            while self.wire.take_updates(&mut late)? {}
         }
         Ok(request)
     }
@@ -245,7 +254,8 @@ impl<W: DigitalWire> DigitalEnd<W> {
         let frame = self.protocol.frame();
         self.protocol.request(request).map_err(|e| e.at(frame))?;
         // Samples of an earlier run that nobody asked for.
-        while self.wire.take_samples()?.is_some() {}
+        let mut stray = Samples::new(0, Tick::ZERO, RunState::Operate);
+        while self.wire.take_samples(&mut stray)? {}
         self.wire.put_request(request)?;
         let reply = wait(
             &self.patience,
@@ -261,13 +271,14 @@ impl<W: DigitalWire> DigitalEnd<W> {
 
 impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
     fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault> {
+        let mut samples = Samples::new(frame, Tick::ZERO, RunState::Operate);
         loop {
-            let samples = wait(
+            wait(
                 &self.patience,
                 &mut self.wire,
                 frame_limit(&self.protocol),
                 frame,
-                DigitalWire::take_samples,
+                |wire| Ok(wire.take_samples(&mut samples)?.then_some(())),
             )?;
             if samples.frame != frame && !self.protocol.may_skip() {
                 let error = protocol::ProtocolError::FrameNumber {

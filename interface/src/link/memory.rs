@@ -197,8 +197,12 @@ impl AnalogWire for AnalogQueues {
             .map_err(|fault| fault.at_frame(samples.frame))
     }
 
-    fn take_updates(&mut self) -> Result<Option<Updates>, LinkFault> {
-        Ok(self.updates.try_recv().ok())
+    fn take_updates(&mut self, into: &mut Updates) -> Result<bool, LinkFault> {
+        Ok(self
+            .updates
+            .try_recv()
+            .map(|updates| *into = updates)
+            .is_ok())
     }
 
     fn take_request(&mut self) -> Result<Option<Request>, LinkFault> {
@@ -215,8 +219,12 @@ impl AnalogWire for AnalogQueues {
 }
 
 impl DigitalWire for DigitalQueues {
-    fn take_samples(&mut self) -> Result<Option<Samples>, LinkFault> {
-        Ok(self.samples.try_recv().ok())
+    fn take_samples(&mut self, into: &mut Samples) -> Result<bool, LinkFault> {
+        Ok(self
+            .samples
+            .try_recv()
+            .map(|samples| *into = samples)
+            .is_ok())
     }
 
     fn put_updates(&mut self, updates: &Updates, lossy: bool) -> Result<(), LinkFault> {

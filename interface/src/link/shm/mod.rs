@@ -210,11 +210,10 @@ impl AnalogWire for AnalogPorts {
         Ok(())
     }
 
-    fn take_updates(&mut self) -> Result<Option<Updates>, LinkFault> {
-        match self.updates.receive() {
-            Ok(sample) => Ok(sample.map(|sample| sample.0)),
-            Err(e) => Err(fault("receiving updates")(e)),
-        }
+    fn take_updates(&mut self, into: &mut Updates) -> Result<bool, LinkFault> {
+        let sample = self.updates.receive();
+        let sample = sample.map_err(fault("receiving updates"))?;
+        Ok(sample.map(|sample| *into = sample.0).is_some())
     }
 
     fn take_request(&mut self) -> Result<Option<Request>, LinkFault> {
@@ -233,11 +232,10 @@ impl AnalogWire for AnalogPorts {
 }
 
 impl DigitalWire for DigitalPorts {
-    fn take_samples(&mut self) -> Result<Option<Samples>, LinkFault> {
-        match self.samples.receive() {
-            Ok(sample) => Ok(sample.map(|sample| sample.0)),
-            Err(e) => Err(fault("receiving samples")(e)),
-        }
+    fn take_samples(&mut self, into: &mut Samples) -> Result<bool, LinkFault> {
+        let sample = self.samples.receive();
+        let sample = sample.map_err(fault("receiving samples"))?;
+        Ok(sample.map(|sample| *into = sample.0).is_some())
     }
 
     fn put_updates(&mut self, updates: &Updates, _lossy: bool) -> Result<(), LinkFault> {
