@@ -32,27 +32,9 @@ const A: [&[f64]; 6] = [
     &[1.0 / 5.0],
     &[3.0 / 40.0, 9.0 / 40.0],
     &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
-    &[
-        19372.0 / 6561.0,
-        -25360.0 / 2187.0,
-        64448.0 / 6561.0,
-        -212.0 / 729.0,
-    ],
-    &[
-        9017.0 / 3168.0,
-        -355.0 / 33.0,
-        46732.0 / 5247.0,
-        49.0 / 176.0,
-        -5103.0 / 18656.0,
-    ],
-    &[
-        35.0 / 384.0,
-        0.0,
-        500.0 / 1113.0,
-        125.0 / 192.0,
-        -2187.0 / 6784.0,
-        11.0 / 84.0,
-    ],
+    &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
+    &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
+    &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
 const C: [f64; 6] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
 const E: [f64; 7] = [
@@ -139,12 +121,8 @@ fn compare<const N: usize>(
     simulation.reset().unwrap();
     (run.preset)(simulation);
     let mut group = c.benchmark_group(run.name);
-    group.bench_function("pass", |b| {
-        b.iter(|| black_box(simulation.derivative_pass()))
-    });
-    group.bench_function("pass by hand", |b| {
-        b.iter(|| black_box(f(0.0, black_box(&run.start))))
-    });
+    group.bench_function("pass", |b| b.iter(|| black_box(simulation.derivative_pass())));
+    group.bench_function("pass by hand", |b| b.iter(|| black_box(f(0.0, black_box(&run.start)))));
     group.bench_function("integrate", |b| b.iter(|| fly(simulation)));
     group.bench_function("integrate by hand", |b| b.iter(by_hand));
     group.finish();
@@ -162,11 +140,7 @@ fn lorenz(c: &mut Criterion) {
     patch.add("xz", Kind::Multiplier, &["x", "z"]);
     patch.add("xy", Kind::Multiplier, &["x", "y"]);
     let f = |_: f64, &[x, y, z]: &[f64; 3]| {
-        [
-            10.0 * y - 10.0 * x,
-            28.0 * x - y - x * z,
-            x * y - 2.666_666_666_666_666_5 * z,
-        ]
+        [10.0 * y - 10.0 * x, 28.0 * x - y - x * z, x * y - 2.666_666_666_666_666_5 * z]
     };
     let run = Run {
         name: "lorenz",
@@ -201,14 +175,8 @@ fn rod(c: &mut Criterion) {
             -200.0 * u[i] + 100.0 * below + 100.0 * above
         })
     };
-    let run = Run {
-        name: "rod",
-        start: [1.0; 16],
-        stop_s: 1.0,
-        rtol: 1e-7,
-        atol: 1e-9,
-        preset: nothing,
-    };
+    let run =
+        Run { name: "rod", start: [1.0; 16], stop_s: 1.0, rtol: 1e-7, atol: 1e-9, preset: nothing };
     compare(c, &mut patch.simulation(), &run, f);
 }
 
@@ -344,12 +312,7 @@ fn stage(c: &mut Criterion) {
         preset: |simulation: &mut Simulation| {
             simulation.set_dac(
                 0,
-                DacPiece {
-                    value: COMMAND.0,
-                    slope_per_s: COMMAND.1,
-                    from_s: 0.0,
-                    settling_s: 0.0,
-                },
+                DacPiece { value: COMMAND.0, slope_per_s: COMMAND.1, from_s: 0.0, settling_s: 0.0 },
             );
             simulation.apply().unwrap();
         },

@@ -217,20 +217,13 @@ impl Channels {
                 simulation.set_control(*line as u32, *on);
             }
         }
-        self.transfers.push(Transfer {
-            frame: updates.frame,
-            tick: at,
-        });
+        self.transfers.push(Transfer { frame: updates.frame, tick: at });
     }
 
     /// The next instant after `from` at which an interpolating hold has reached its value.
     #[must_use]
     pub fn next_arrival(&self, from: Tick) -> Option<Tick> {
-        self.dac
-            .iter()
-            .filter_map(|d| d.hold.piece().end)
-            .filter(|end| *end > from)
-            .min()
+        self.dac.iter().filter_map(|d| d.hold.piece().end).filter(|end| *end > from).min()
     }
 
     /// Holds the DACs whose interpolation ends at `at`.
@@ -241,12 +234,7 @@ impl Channels {
             let value = dac.hold.piece().at(at);
             simulation.set_dac(
                 dac.channel as u32,
-                DacPiece {
-                    value,
-                    slope_per_s: 0.0,
-                    from_s: now_s,
-                    settling_s,
-                },
+                DacPiece { value, slope_per_s: 0.0, from_s: now_s, settling_s },
             );
         }
     }
@@ -266,11 +254,7 @@ impl Channels {
             let tick = Tick::from_secs(edge.t_s).unwrap_or_default() + shift;
             match samples.edges.get_mut(samples.edge_count as usize) {
                 Some(slot) => {
-                    *slot = Edge {
-                        tick,
-                        line: edge.line,
-                        rising: u32::from(edge.rising),
-                    };
+                    *slot = Edge { tick, line: edge.line, rising: u32::from(edge.rising) };
                     samples.edge_count += 1;
                 }
                 None => samples.edges_lost = samples.edges_lost.saturating_add(1),
@@ -278,11 +262,7 @@ impl Channels {
         }
         // What finds no room is told in the next frame.
         let room = self.transfers.len().min(TRANSFERS_PER_FRAME);
-        for (slot, transfer) in samples
-            .transfers
-            .iter_mut()
-            .zip(self.transfers.drain(..room))
-        {
+        for (slot, transfer) in samples.transfers.iter_mut().zip(self.transfers.drain(..room)) {
             *slot = transfer;
             samples.transfer_count += 1;
         }
@@ -298,16 +278,10 @@ impl Channels {
 /// Kind and number of the channel `name`, if it can be preset to `value`.
 fn settable(described: &[Channel], name: &str, value: f64) -> Result<(ChannelKind, usize), String> {
     if !value.is_finite() {
-        return Err(format!(
-            "the preset of `{name}` is {value}, not a finite number"
-        ));
+        return Err(format!("the preset of `{name}` is {value}, not a finite number"));
     }
-    let is_settable = |c: &&Channel| {
-        matches!(
-            c.kind,
-            ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control
-        )
-    };
+    let is_settable =
+        |c: &&Channel| matches!(c.kind, ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control);
     described
         .iter()
         .filter(is_settable)

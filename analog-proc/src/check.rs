@@ -122,9 +122,7 @@ fn claims(kind: &Kind) -> Option<(&'static str, u32, usize)> {
         Kind::Adc { channel } => ("ADC channel", *channel, 1),
         Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => ("DAC channel", *channel, 1),
         Kind::Dcu { channel, .. } => ("DCU", *channel, 1),
-        Kind::DigitalFunction {
-            x, first_channel, ..
-        } => ("DCU", *first_channel, x.len()),
+        Kind::DigitalFunction { x, first_channel, .. } => ("DCU", *first_channel, x.len()),
         Kind::Sense { line } => ("sense line", *line, 1),
         Kind::Control { line, .. } => ("control line", *line, 1),
         Kind::Interrupt { line } => ("interrupt line", *line, 1),

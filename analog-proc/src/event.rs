@@ -53,10 +53,7 @@ pub(crate) fn fatal(machine: &Machine, block: BlockId, fatal: Fatal, t_s: f64) -
 
 impl Machine {
     /// Brings every net, region and store to rest at `t_s`.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "the parts of the running state, borrowed apart"
-    )]
+    #[allow(clippy::too_many_arguments, reason = "the parts of the running state, borrowed apart")]
     pub(crate) fn settle(
         &self,
         f: &mut Frozen,
@@ -136,16 +133,11 @@ impl Machine {
                     moved |= choice.moved;
                     if choice.overloaded {
                         let value = element.watched_net().map_or(f64::NAN, |s| nets[s as usize]);
-                        happenings
-                            .overloads
-                            .push(LatchedOverload { block, t_s, value });
+                        happenings.overloads.push(LatchedOverload { block, t_s, value });
                     }
                 }
                 Settle::Op(op) => {
-                    if let Op::Track {
-                        o, control, store, ..
-                    } = *op
-                    {
+                    if let Op::Track { o, control, store, .. } = *op {
                         let tracking = nets[control as usize] != 0.0;
                         let was = &mut f.tracking[store as usize];
                         if *was && !tracking {

@@ -75,11 +75,7 @@ pub fn run(
         let last = at == spec.stop;
         let mut samples = Samples::new(frame, at, RunState::Operate);
         for index in 0..channels_in_scan.max(1) {
-            let instant = if last {
-                at
-            } else {
-                at + spec.skew * index as i64
-            };
+            let instant = if last { at } else { at + spec.skew * index as i64 };
             cycle.gather(instant)?;
             cycle.transfer_before(instant);
             cycle.advance(instant);
@@ -123,9 +119,7 @@ pub fn run(
 /// `t_n`, or the stop if that comes first. Overflow would take 292 years of problem time: such a
 /// frame lies beyond any stop.
 fn start_of(spec: &RunSpec, frame: u64) -> Tick {
-    spec.frame
-        .checked_mul(frame)
-        .map_or(spec.stop, |t| t.min(spec.stop))
+    spec.frame.checked_mul(frame).map_or(spec.stop, |t| t.min(spec.stop))
 }
 
 /// Three-point Gauss–Legendre on [0, 1]: distance from the end (½ ± √0.15 and ½) and weight.
@@ -193,10 +187,7 @@ impl Cycle<'_> {
     fn advance(&mut self, to: Tick) {
         while self.over.is_none() {
             let look = self.looks.front().map(|l| l.at).filter(|at| *at <= to);
-            let arrival = self
-                .channels
-                .next_arrival(self.clock)
-                .filter(|at| *at <= to);
+            let arrival = self.channels.next_arrival(self.clock).filter(|at| *at <= to);
             match (look, arrival) {
                 (Some(at), arrival) if arrival.is_none_or(|a| at <= a) => {
                     self.integrate(at);
@@ -222,11 +213,7 @@ impl Cycle<'_> {
             return;
         }
         let at = start_of(spec, frame);
-        let skew = if at == spec.stop {
-            Tick::ZERO
-        } else {
-            spec.skew
-        };
+        let skew = if at == spec.stop { Tick::ZERO } else { spec.skew };
         let scan = self.channels.adc_count();
         self.means.clear();
         self.means.resize(scan, 0.0);
@@ -311,10 +298,7 @@ impl Cycle<'_> {
             return Ok(());
         };
         while let Some((at, updates)) = free.next_updates(self.port, instant)? {
-            self.queue.push_back(Due {
-                at: at.max(self.clock),
-                updates,
-            });
+            self.queue.push_back(Due { at: at.max(self.clock), updates });
         }
         Ok(())
     }
@@ -336,10 +320,7 @@ impl Cycle<'_> {
     /// Puts updates into the queue, never before what was integrated or queued already.
     fn enqueue(&mut self, at: Tick, updates: Updates) {
         let earliest = self.queue.back().map_or(self.clock, |last| last.at);
-        self.queue.push_back(Due {
-            at: at.max(earliest),
-            updates,
-        });
+        self.queue.push_back(Due { at: at.max(earliest), updates });
     }
 
     /// Lets the queued updates that are due before `instant` take effect, each at its own.
@@ -351,8 +332,7 @@ impl Cycle<'_> {
             if self.over.is_some() {
                 return;
             }
-            self.channels
-                .transfer(&due.updates, due.at, self.simulation);
+            self.channels.transfer(&due.updates, due.at, self.simulation);
             self.settle();
             if self.over.is_some() {
                 return;
@@ -370,10 +350,7 @@ impl Cycle<'_> {
     fn publish(&mut self, mut samples: Samples) -> Result<(), LinkFault> {
         if let Timing::Wall(free) = &mut self.timing {
             while let Some(updates) = free.await_instant(self.port, self.clock)? {
-                self.queue.push_back(Due {
-                    at: self.clock,
-                    updates,
-                });
+                self.queue.push_back(Due { at: self.clock, updates });
             }
             samples.late = free.published(samples.frame, self.clock);
         }

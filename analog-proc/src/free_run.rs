@@ -170,10 +170,8 @@ fn wall_ns() -> i64 {
 
 /// Sleeps until an absolute time; a signal may end it early.
 fn sleep_until(ns: i64) {
-    let time = Timespec {
-        tv_sec: ns.div_euclid(1_000_000_000),
-        tv_nsec: ns.rem_euclid(1_000_000_000),
-    };
+    let time =
+        Timespec { tv_sec: ns.div_euclid(1_000_000_000), tv_nsec: ns.rem_euclid(1_000_000_000) };
     let _ = clock_nanosleep_absolute(ClockId::Monotonic, &time);
 }
 
@@ -201,10 +199,7 @@ mod tests {
         assert!(wall_ns() - free.start_ns >= 2 * 19 * 500_000);
         assert!(start_ns >= free.start_ns);
         // Nothing is out: the array may integrate ahead.
-        assert_eq!(
-            free.next_updates(&mut analog, Tick(i64::MAX)).unwrap(),
-            None
-        );
+        assert_eq!(free.next_updates(&mut analog, Tick(i64::MAX)).unwrap(), None);
     }
 
     #[test]

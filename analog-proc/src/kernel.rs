@@ -175,10 +175,7 @@ impl Kernel {
         let moves = |dac: &&(Slot, u32)| !f.holds[dac.1 as usize].constant();
         f.moving.extend(self.dacs.iter().filter(moves));
         for scaled in &self.scaled {
-            let product = scaled
-                .dcus
-                .iter()
-                .fold(scaled.base, |c, dcu| c * f.dcus[*dcu as usize]);
+            let product = scaled.dcus.iter().fold(scaled.base, |c, dcu| c * f.dcus[*dcu as usize]);
             match scaled.place {
                 Place::Row(i) => f.weights[i] = product,
                 Place::Step { index, k } => f.steps[index].weights()[k] = product,
@@ -264,23 +261,10 @@ impl Machine {
             Step::Curve2 { o, e, a, b, w } => {
                 net!(o) = f.piece[e as usize].at(w[0] * net!(a) + w[1] * net!(b));
             }
-            Step::DeadZone1 {
-                o,
-                e,
-                a,
-                width,
-                w: [w],
-            } => {
+            Step::DeadZone1 { o, e, a, width, w: [w] } => {
                 net!(o) = crate::op::dead_zone(f.region[e as usize], w * net!(a), net!(width));
             }
-            Step::DeadZone2 {
-                o,
-                e,
-                a,
-                b,
-                width,
-                w,
-            } => {
+            Step::DeadZone2 { o, e, a, b, width, w } => {
                 let u = w[0] * net!(a) + w[1] * net!(b);
                 net!(o) = crate::op::dead_zone(f.region[e as usize], u, net!(width));
             }

@@ -351,9 +351,7 @@ pub(crate) fn powers(ops: &[Op], terms: &[Term], degree: &[u32]) -> Vec<u32> {
     for op in ops.iter().rev() {
         let mut of = 1;
         op.drives(|slot| of = of.max(power[slot as usize]));
-        op.reads(terms, |slot| {
-            power[slot as usize] = power[slot as usize].max(of)
-        });
+        op.reads(terms, |slot| power[slot as usize] = power[slot as usize].max(of));
     }
     power
 }
@@ -381,8 +379,7 @@ impl Machine {
         let Some((first, rest)) = terms.split_first() else {
             return N::constant(0.0);
         };
-        rest.iter()
-            .fold(first.of(nets), |sum, term| sum + term.of(nets))
+        rest.iter().fold(first.of(nets), |sum, term| sum + term.of(nets))
     }
 
     /// Evaluates one operation.
@@ -397,15 +394,7 @@ impl Machine {
         match *op {
             Op::Sum1 { o, a, ca } => net!(o) = net!(a) * ca,
             Op::Sum2 { o, a, b, ca, cb } => net!(o) = net!(a) * ca + net!(b) * cb,
-            Op::Sum3 {
-                o,
-                a,
-                b,
-                d,
-                ca,
-                cb,
-                cd,
-            } => {
+            Op::Sum3 { o, a, b, d, ca, cb, cd } => {
                 net!(o) = net!(a) * ca + net!(b) * cb + net!(d) * cd;
             }
             Op::SumN { o, start, len } => net!(o) = self.sum(start, len, nets),
@@ -440,14 +429,7 @@ impl Machine {
             Op::DeadZone { o, e, a, c, w } => {
                 net!(o) = dead_zone(f.region[e as usize], net!(a) * c, net!(w));
             }
-            Op::Limit {
-                o,
-                e,
-                a,
-                c,
-                low,
-                high,
-            } => {
+            Op::Limit { o, e, a, c, low, high } => {
                 net!(o) = match f.region[e as usize] {
                     0 => net!(low),
                     1 => net!(a) * c,
@@ -474,19 +456,9 @@ impl Machine {
             }
             Op::Dcu { o, dcu, a, c } => net!(o) = net!(a) * (f.dcus[dcu as usize] * c),
             Op::Switch { o, control, a, b } => {
-                net!(o) = if net!(control).value() != 0.0 {
-                    a.of(nets)
-                } else {
-                    b.of(nets)
-                };
+                net!(o) = if net!(control).value() != 0.0 { a.of(nets) } else { b.of(nets) };
             }
-            Op::Track {
-                o,
-                control,
-                a,
-                c,
-                store,
-            } => {
+            Op::Track { o, control, a, c, store } => {
                 net!(o) = if net!(control).value() != 0.0 {
                     net!(a) * c
                 } else {

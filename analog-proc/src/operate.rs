@@ -229,21 +229,15 @@ impl Engine {
     pub fn derivative_pass(&mut self) -> f64 {
         let n = self.step.y0.len();
         self.probe[..n].copy_from_slice(&self.step.y0);
-        self.machine
-            .derivatives(&self.frozen, self.t_s, &mut self.probe, &mut self.step.f1);
+        self.machine.derivatives(&self.frozen, self.t_s, &mut self.probe, &mut self.step.f1);
         self.step.f1.last().copied().unwrap_or(0.0)
     }
 
     pub fn pulse(&self) -> Pulse {
         Pulse {
             t_s: self.t_s,
-            statistics: Statistics {
-                evaluations: self.step.evaluations,
-                ..self.statistics
-            },
-            step_rate: self
-                .scheme
-                .step_rate(&self.step, &self.atol, self.integration.rtol),
+            statistics: Statistics { evaluations: self.step.evaluations, ..self.statistics },
+            step_rate: self.scheme.step_rate(&self.step, &self.atol, self.integration.rtol),
         }
     }
 
@@ -276,15 +270,7 @@ impl Engine {
         }
         let before = self.inputs_of_lines();
         self.hold_what_leaves();
-        let Engine {
-            machine,
-            frozen,
-            nets,
-            before: nets_before,
-            happenings,
-            ics,
-            ..
-        } = self;
+        let Engine { machine, frozen, nets, before: nets_before, happenings, ics, .. } = self;
         machine.settle(frozen, ics, t_s, nets, nets_before, initial, happenings)?;
         self.statistics.edges_lost += self.happenings.drop_oldest_edges();
         self.overloads.append(&mut self.happenings.overloads);
@@ -292,8 +278,7 @@ impl Engine {
         self.size_up(true);
         // Again for each vector at zero: its direction may hang on that of another.
         for _ in 0..=self.machine.paces.len() {
-            self.machine
-                .derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
+            self.machine.derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
             self.step.evaluations += 1;
             self.watch_start();
             if !self.turn_vectors() {

@@ -60,13 +60,11 @@ pub(crate) fn order(checked: Checked, mut faults: Faults) -> Result<Ordered, Pat
         .blocks
         .iter()
         .enumerate()
-        .map(|(index, block)| {
-            if draft.broken[index] {
-                Vec::new()
-            } else {
-                feedthrough(block, &netlist)
-            }
-        })
+        .map(
+            |(index, block)| {
+                if draft.broken[index] { Vec::new() } else { feedthrough(block, &netlist) }
+            },
+        )
         .collect();
     let order = sort(&netlist, &into);
     if order.len() < netlist.blocks.len() {
@@ -77,13 +75,7 @@ pub(crate) fn order(checked: Checked, mut faults: Faults) -> Result<Ordered, Pat
     let sources = faults.sources.clone();
     let root = faults.root().to_owned();
     faults.into_result()?;
-    Ok(Ordered {
-        netlist,
-        order,
-        sources,
-        root,
-        notes: draft.notes,
-    })
+    Ok(Ordered { netlist, order, sources, root, notes: draft.notes })
 }
 
 fn feedthrough(block: &Block, netlist: &Netlist) -> Vec<Edge> {
@@ -94,10 +86,7 @@ fn feedthrough(block: &Block, netlist: &Netlist) -> Vec<Edge> {
     let sides = block.kind.side_nets().into_iter();
     inputs
         .chain(sides.map(|net| (net, block.span)))
-        .map(|(net, span)| Edge {
-            from: netlist.nets[net.index()].driver.index(),
-            span,
-        })
+        .map(|(net, span)| Edge { from: netlist.nets[net.index()].driver.index(), span })
         .collect()
 }
 
@@ -116,12 +105,7 @@ fn sort(netlist: &Netlist, into: &[Vec<Edge>]) -> Vec<BlockId> {
     let mut ready: BinaryHeap<Reverse<usize>> = BinaryHeap::new();
     let (stores, others): (Vec<usize>, Vec<usize>) =
         (0..into.len()).partition(|index| netlist.blocks[*index].kind.is_store());
-    ready.extend(
-        others
-            .into_iter()
-            .filter(|i| waits_for[*i] == 0)
-            .map(Reverse),
-    );
+    ready.extend(others.into_iter().filter(|i| waits_for[*i] == 0).map(Reverse));
     let mut release = |done: usize, ready: &mut BinaryHeap<Reverse<usize>>| {
         for &reader in &readers[done] {
             waits_for[reader] -= 1;
@@ -233,11 +217,7 @@ fn report_loop(component: &[usize], into: &[Vec<Edge>], netlist: &Netlist, fault
         let (line, _) = faults.sources.line_column(edge.span);
         let file = faults.sources.name(edge.span.file);
         let text = faults.sources.text(edge.span);
-        steps.push(format!(
-            "  {} → {}   ({file}:{line}, {text})",
-            name(from),
-            name(to)
-        ));
+        steps.push(format!("  {} → {}   ({file}:{line}, {text})", name(from), name(to)));
     }
     let mut names: Vec<&str> = cycle.iter().take(SHOWN).map(|b| name(*b)).collect();
     if cycle.len() > SHOWN {
@@ -271,21 +251,9 @@ fn report_loop(component: &[usize], into: &[Vec<Edge>], netlist: &Netlist, fault
         .collect();
     faults.push(at, |src, at| {
         if is_logic {
-            PatchFault::LogicLoop {
-                src,
-                at,
-                help,
-                cycle: chain,
-                edges,
-            }
+            PatchFault::LogicLoop { src, at, help, cycle: chain, edges }
         } else {
-            PatchFault::AlgebraicLoop {
-                src,
-                at,
-                help,
-                cycle: chain,
-                edges,
-            }
+            PatchFault::AlgebraicLoop { src, at, help, cycle: chain, edges }
         }
     });
 }

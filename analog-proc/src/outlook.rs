@@ -67,25 +67,14 @@ pub fn warnings(jacobian: &DMatrix<f64>, method: Method, step_s: f64) -> Vec<War
         Method::DormandPrince => {
             let stiff = fastest / slowest > STIFF;
             let slowest_s = 1.0 / slowest;
-            let warning = Warning::Stiff {
-                fastest_s,
-                slowest_s,
-            };
+            let warning = Warning::Stiff { fastest_s, slowest_s };
             return if stiff { vec![warning] } else { Vec::new() };
         }
         Method::Sdirk4 => return Vec::new(),
     };
     let stable_s = extent * fastest_s;
-    let warning = Warning::Unstable {
-        step_s,
-        fastest_s,
-        stable_s,
-    };
-    if step_s > stable_s {
-        vec![warning]
-    } else {
-        Vec::new()
-    }
+    let warning = Warning::Unstable { step_s, fastest_s, stable_s };
+    if step_s > stable_s { vec![warning] } else { Vec::new() }
 }
 
 #[cfg(test)]
@@ -100,13 +89,7 @@ mod tests {
     fn a_stiff_patch_is_told_under_the_explicit_method_alone() {
         let stiff = decays(&[-1e5, -1.0, 0.0]);
         let found = warnings(&stiff, Method::DormandPrince, 1e-3);
-        let [
-            Warning::Stiff {
-                fastest_s,
-                slowest_s,
-            },
-        ] = found[..]
-        else {
+        let [Warning::Stiff { fastest_s, slowest_s }] = found[..] else {
             panic!("{found:?}");
         };
         assert!((fastest_s * 1e5 - 1.0).abs() < 1e-9 && (slowest_s - 1.0).abs() < 1e-9);

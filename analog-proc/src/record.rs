@@ -65,26 +65,18 @@ impl Recorder {
         path: &Path,
         names: impl Iterator<Item = &'n str>,
     ) -> Result<Recorder, RecordFault> {
-        let fault = |reason: String| RecordFault {
-            path: path.to_owned(),
-            reason,
-            reader_left: false,
-        };
+        let fault =
+            |reason: String| RecordFault { path: path.to_owned(), reason, reader_left: false };
         let header = std::iter::once("time").chain(names);
         let sink = if path.extension().is_some_and(|e| e == "arrow") {
             let file = File::create(path).map_err(|e| fault(e.to_string()))?;
-            let fields: Vec<Field> = header
-                .map(|n| Field::new(n, DataType::Float64, false))
-                .collect();
+            let fields: Vec<Field> =
+                header.map(|n| Field::new(n, DataType::Float64, false)).collect();
             let columns = vec![Vec::with_capacity(BATCH_ROWS); fields.len()];
             let schema = Arc::new(Schema::new(fields));
             let writer = StreamWriter::try_new(BufWriter::new(file), &schema)
                 .map_err(|e| fault(e.to_string()))?;
-            Sink::Arrow(Box::new(ArrowFile {
-                writer,
-                schema,
-                columns,
-            }))
+            Sink::Arrow(Box::new(ArrowFile { writer, schema, columns }))
         } else {
             let out: Box<dyn Write> = if path.as_os_str() == "-" {
                 Box::new(std::io::stdout().lock())
@@ -92,15 +84,10 @@ impl Recorder {
                 Box::new(File::create(path).map_err(|e| fault(e.to_string()))?)
             };
             let mut writer = csv::Writer::from_writer(out);
-            writer
-                .write_record(header)
-                .map_err(|e| fault(e.to_string()))?;
+            writer.write_record(header).map_err(|e| fault(e.to_string()))?;
             Sink::Csv(Box::new(writer))
         };
-        Ok(Recorder {
-            path: path.to_owned(),
-            sink,
-        })
+        Ok(Recorder { path: path.to_owned(), sink })
     }
 
     /// Adds one row: time in s, values in problem units.
@@ -111,14 +98,14 @@ impl Recorder {
         let row = std::iter::once(time_s).chain(values.iter().copied());
         let mut reader_left = false;
         let done = match &mut self.sink {
-            Sink::Csv(writer) => writer
-                .write_record(row.map(|v| format!("{v:.16e}")))
-                .map_err(|e| {
+            Sink::Csv(writer) => {
+                writer.write_record(row.map(|v| format!("{v:.16e}"))).map_err(|e| {
                     if let csv::ErrorKind::Io(error) = e.kind() {
                         reader_left = is_broken_pipe(error);
                     }
                     e.to_string()
-                }),
+                })
+            }
             Sink::Arrow(file) => {
                 for (column, value) in file.columns.iter_mut().zip(row) {
                     column.push(value);
@@ -129,11 +116,7 @@ impl Recorder {
                 file.write_batch().map_err(|e| e.to_string())
             }
         };
-        done.map_err(|reason| RecordFault {
-            path: self.path.clone(),
-            reason,
-            reader_left,
-        })
+        done.map_err(|reason| RecordFault { path: self.path.clone(), reason, reader_left })
     }
 
     /// Writes what is still buffered and ends the file.
@@ -147,16 +130,11 @@ impl Recorder {
                 reader_left = is_broken_pipe(&e);
                 e.to_string()
             }),
-            Sink::Arrow(mut file) => file
-                .write_batch()
-                .and_then(|()| file.writer.finish())
-                .map_err(|e| e.to_string()),
+            Sink::Arrow(mut file) => {
+                file.write_batch().and_then(|()| file.writer.finish()).map_err(|e| e.to_string())
+            }
         };
-        done.map_err(|reason| RecordFault {
-            path: self.path,
-            reason,
-            reader_left,
-        })
+        done.map_err(|reason| RecordFault { path: self.path, reason, reader_left })
     }
 }
 

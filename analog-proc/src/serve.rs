@@ -68,11 +68,7 @@ impl Server {
     fn answer(&mut self, request: Request) -> Result<Reply, String> {
         match request {
             Request::Hello { .. } => Err("the two sides have greeted each other already".into()),
-            Request::Load {
-                bundle,
-                params,
-                profile,
-            } => {
+            Request::Load { bundle, params, profile } => {
                 self.loaded = None;
                 let loaded = Loaded::new(bundle, params, Vec::new(), profile)?;
                 let reply = Reply::Loaded {
@@ -91,12 +87,8 @@ impl Server {
                         None => params.push((name, value)),
                     }
                 }
-                let mut new = Loaded::new(
-                    old.bundle.clone(),
-                    params,
-                    old.ics.clone(),
-                    old.profile.clone(),
-                )?;
+                let mut new =
+                    Loaded::new(old.bundle.clone(), params, old.ics.clone(), old.profile.clone())?;
                 new.channels.carry_over(&old.channels, &mut new.simulation);
                 new.settle()?;
                 self.loaded = Some(new);
@@ -121,11 +113,7 @@ impl Server {
                         .map(|i| loaded.simulation.net(NetId(i as u32)))
                         .ok_or_else(|| format!("the patch has no net `{name}` to read"))
                 };
-                names
-                    .iter()
-                    .map(read)
-                    .collect::<Result<_, _>>()
-                    .map(Reply::Values)
+                names.iter().map(read).collect::<Result<_, _>>().map(Reply::Values)
             }
             Request::StaticCheck => {
                 let loaded = self.loaded()?;
@@ -135,11 +123,7 @@ impl Server {
             }
             Request::Diagnose => Ok(Reply::Diagnosis {
                 fault: self.fault.clone(),
-                overloads: self
-                    .loaded
-                    .as_ref()
-                    .map(Loaded::overloads)
-                    .unwrap_or_default(),
+                overloads: self.loaded.as_ref().map(Loaded::overloads).unwrap_or_default(),
             }),
             Request::Operate(_) | Request::Bye => Err("not a request to be answered here".into()),
         }
@@ -162,28 +146,18 @@ impl Server {
     }
 
     fn loaded(&mut self) -> Result<&mut Loaded, String> {
-        self.loaded
-            .as_mut()
-            .ok_or_else(|| "no patch is loaded; load one first".into())
+        self.loaded.as_mut().ok_or_else(|| "no patch is loaded; load one first".into())
     }
 
     /// Whether a run may start as asked.
     fn admit(&mut self, spec: &RunSpec) -> Result<(), String> {
         let loaded = self.loaded()?;
-        let RunSpec {
-            frame,
-            latency,
-            skew,
-            stop,
-            ..
-        } = *spec;
+        let RunSpec { frame, latency, skew, stop, .. } = *spec;
         if frame <= Tick::ZERO {
             return Err(format!("frame period {frame} is not positive"));
         }
         if latency < Tick::ZERO || latency > frame {
-            return Err(format!(
-                "latency {latency} lies outside 0 … {frame} (one frame)"
-            ));
+            return Err(format!("latency {latency} lies outside 0 … {frame} (one frame)"));
         }
         let scan = loaded.channels.scan_time(skew);
         if skew < Tick::ZERO || scan.is_none_or(|scan| scan > latency) {
@@ -215,15 +189,8 @@ impl Loaded {
         tolerance::apply(&mut ordered, profile.component_error());
         let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
-        let mut loaded = Loaded {
-            bundle,
-            profile,
-            params,
-            ics: Vec::new(),
-            ordered,
-            simulation,
-            channels,
-        };
+        let mut loaded =
+            Loaded { bundle, profile, params, ics: Vec::new(), ordered, simulation, channels };
         loaded.set_ics(ics)?;
         Ok(loaded)
     }
@@ -259,9 +226,7 @@ impl Loaded {
     /// The block whose initial condition is to be `value`.
     fn store(&self, name: &str, value: f64) -> Result<BlockId, String> {
         if !value.is_finite() {
-            return Err(format!(
-                "the IC of `{name}` is {value}, not a finite number"
-            ));
+            return Err(format!("the IC of `{name}` is {value}, not a finite number"));
         }
         self.ordered
             .netlist
@@ -276,8 +241,7 @@ impl Loaded {
     /// are put back. At IC the fault goes with them; later it stands until the next reset.
     fn preset(&mut self, values: &[(String, f64)]) -> Result<(), String> {
         let former = self.channels.clone();
-        self.channels
-            .preset(&self.ordered.netlist, values, &mut self.simulation)?;
+        self.channels.preset(&self.ordered.netlist, values, &mut self.simulation)?;
         let Err(fault) = self.settle() else {
             return Ok(());
         };

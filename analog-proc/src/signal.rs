@@ -117,10 +117,7 @@ impl Add for Rated {
 
     #[inline(always)]
     fn add(self, other: Rated) -> Rated {
-        Rated {
-            value: self.value + other.value,
-            rate: self.rate + other.rate,
-        }
+        Rated { value: self.value + other.value, rate: self.rate + other.rate }
     }
 }
 
@@ -129,10 +126,7 @@ impl Sub for Rated {
 
     #[inline(always)]
     fn sub(self, other: Rated) -> Rated {
-        Rated {
-            value: self.value - other.value,
-            rate: self.rate - other.rate,
-        }
+        Rated { value: self.value - other.value, rate: self.rate - other.rate }
     }
 }
 
@@ -154,10 +148,7 @@ impl Div for Rated {
     #[inline(always)]
     fn div(self, other: Rated) -> Rated {
         let value = self.value / other.value;
-        Rated {
-            value,
-            rate: (self.rate - value * other.rate) / other.value,
-        }
+        Rated { value, rate: (self.rate - value * other.rate) / other.value }
     }
 }
 
@@ -166,10 +157,7 @@ impl Mul<f64> for Rated {
 
     #[inline(always)]
     fn mul(self, c: f64) -> Rated {
-        Rated {
-            value: self.value * c,
-            rate: self.rate * c,
-        }
+        Rated { value: self.value * c, rate: self.rate * c }
     }
 }
 
@@ -178,10 +166,7 @@ impl Neg for Rated {
 
     #[inline(always)]
     fn neg(self) -> Rated {
-        Rated {
-            value: -self.value,
-            rate: -self.rate,
-        }
+        Rated { value: -self.value, rate: -self.rate }
     }
 }
 
@@ -205,21 +190,14 @@ impl Signal for Rated {
     #[inline(always)]
     fn sin_cos(self) -> (Rated, Rated) {
         let (sin, cos) = Signal::sin_cos(self.value);
-        let rated = |value, slope: f64| Rated {
-            value,
-            rate: slope * self.rate,
-        };
+        let rated = |value, slope: f64| Rated { value, rate: slope * self.rate };
         (rated(sin, cos), rated(cos, -sin))
     }
 
     #[inline(always)]
     fn root(self) -> Rated {
         let value = self.value.root();
-        let rate = if self.rate == 0.0 || self.value < 0.0 {
-            0.0
-        } else {
-            0.5 * self.rate / value
-        };
+        let rate = if self.rate == 0.0 || self.value < 0.0 { 0.0 } else { 0.5 * self.rate / value };
         Rated { value, rate }
     }
 
@@ -246,10 +224,7 @@ impl Doubted {
     /// A result with its own rounding.
     #[inline(always)]
     fn rounded(value: f64, doubt: f64) -> Doubted {
-        Doubted {
-            value,
-            doubt: doubt + f64::EPSILON * value.abs(),
-        }
+        Doubted { value, doubt: doubt + f64::EPSILON * value.abs() }
     }
 }
 
@@ -300,10 +275,7 @@ impl Neg for Doubted {
     type Output = Doubted;
 
     fn neg(self) -> Doubted {
-        Doubted {
-            value: -self.value,
-            doubt: self.doubt,
-        }
+        Doubted { value: -self.value, doubt: self.doubt }
     }
 }
 
@@ -321,10 +293,7 @@ impl Signal for Doubted {
     }
 
     fn blurred(self, doubt: f64) -> Doubted {
-        Doubted {
-            value: self.value,
-            doubt: self.doubt + doubt,
-        }
+        Doubted { value: self.value, doubt: self.doubt + doubt }
     }
 
     fn sin_cos(self) -> (Doubted, Doubted) {
@@ -336,11 +305,7 @@ impl Signal for Doubted {
     fn root(self) -> Doubted {
         let value = self.value.root();
         let near = self.doubt.sqrt();
-        let doubt = if value > 0.0 {
-            near.min(0.5 * self.doubt / value)
-        } else {
-            near
-        };
+        let doubt = if value > 0.0 { near.min(0.5 * self.doubt / value) } else { near };
         Doubted::rounded(value, doubt)
     }
 

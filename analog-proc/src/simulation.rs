@@ -59,13 +59,7 @@ pub struct Simulation {
 
 fn check(integration: &Integration) -> Result<(), RunFault> {
     let refuse = |setting, value| Err(RunFault::Setting { setting, value });
-    let Integration {
-        rtol,
-        atol,
-        step_s,
-        max_step_s,
-        ..
-    } = *integration;
+    let Integration { rtol, atol, step_s, max_step_s, .. } = *integration;
     if !(rtol >= 0.0 && rtol.is_finite()) {
         return refuse("rtol", rtol);
     }
@@ -207,10 +201,8 @@ impl Simulation {
         sink: &mut Sink<'_>,
         attendant: &mut Attendant<'_>,
     ) -> Result<Advance, RunFault> {
-        let slots: Vec<u32> = nets
-            .iter()
-            .map(|n| self.engine.machine.slot_of_net[n.index()])
-            .collect();
+        let slots: Vec<u32> =
+            nets.iter().map(|n| self.engine.machine.slot_of_net[n.index()]).collect();
         let mut recorder = Recorder::new(self.engine.t_s, every, slots, sink);
         self.advance(t, Some(&mut recorder), attendant)
     }
@@ -228,10 +220,7 @@ impl Simulation {
             self.apply()?;
         }
         if self.mode == Mode::Hold || self.ended.is_some() {
-            return Ok(Advance {
-                reached: self.now(),
-                stopped_by: self.ended,
-            });
+            return Ok(Advance { reached: self.now(), stopped_by: self.ended });
         }
         self.mode = Mode::Operate;
         let passes = self.engine.step.evaluations;
@@ -246,10 +235,7 @@ impl Simulation {
             }
         }
         let reached = if stopped_by.is_some() { self.now() } else { t };
-        Ok(Advance {
-            reached,
-            stopped_by,
-        })
+        Ok(Advance { reached, stopped_by })
     }
 
     fn keep<T>(&mut self, result: Result<T, RunFault>) -> Result<T, RunFault> {
@@ -375,13 +361,7 @@ impl Simulation {
                 let difference = (found - expected).abs();
                 if difference > item.tolerance || difference.is_nan() {
                     let (net, tolerance) = (item.net, item.tolerance);
-                    mismatches.push(Mismatch {
-                        net,
-                        derivative,
-                        expected,
-                        found,
-                        tolerance,
-                    });
+                    mismatches.push(Mismatch { net, derivative, expected, found, tolerance });
                 }
             }
         }

@@ -31,16 +31,8 @@ pub fn static_check(
                 agrees: (found - wanted).abs() <= expected.tolerance,
             });
         };
-        line(
-            "output",
-            expected.output,
-            Some(simulation.net(expected.net)),
-        );
-        line(
-            "derivative",
-            expected.derivative,
-            simulation.derivative(net.driver),
-        );
+        line("output", expected.output, Some(simulation.net(expected.net)));
+        line("derivative", expected.derivative, simulation.derivative(net.driver));
     }
     Ok(lines)
 }

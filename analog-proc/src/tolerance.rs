@@ -17,12 +17,9 @@ pub fn apply(ordered: &mut Ordered, component_error: f64) {
     }
     for block in &mut ordered.netlist.blocks {
         // FNV-1a, 64 bits, of the name: the same on every build.
-        let seed = block
-            .name
-            .bytes()
-            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-                (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-            });
+        let seed = block.name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        });
         let mut spread = Xoshiro256PlusPlus::seed_from_u64(seed);
         for input in &mut block.inputs {
             // 53 random bits over [0, 1), then over ±e.
@@ -39,10 +36,7 @@ mod tests {
 
     fn oscillator() -> Ordered {
         let text = "[blocks]\nx = { kind = \"integrator\", in = [\"v\"], ic = 1.0 }\nv = { kind = \"integrator\", in = [\"-4 * x\", \"-0.2 * v\"] }\n";
-        let bundle = PatchBundle {
-            root: "p".into(),
-            files: vec![("p".into(), text.into())],
-        };
+        let bundle = PatchBundle { root: "p".into(), files: vec![("p".into(), text.into())] };
         crate::patch::compile(&bundle, &[]).unwrap()
     }
 
@@ -52,19 +46,14 @@ mod tests {
             let mut ordered = oscillator();
             apply(&mut ordered, error);
             let blocks = ordered.netlist.blocks.iter();
-            blocks
-                .flat_map(|b| b.inputs.iter().map(|i| i.coefficient))
-                .collect::<Vec<f64>>()
+            blocks.flat_map(|b| b.inputs.iter().map(|i| i.coefficient)).collect::<Vec<f64>>()
         };
         let (nominal, real) = (coefficients(0.0), coefficients(0.01));
         assert_eq!(nominal, [1.0, -4.0, -0.2]);
         for (c, actual) in nominal.iter().zip(&real) {
             // One rounding beyond the bound itself.
             let relative = (actual / c - 1.0).abs();
-            assert!(
-                relative > 0.0 && relative <= 0.01 * (1.0 + 1e-12),
-                "{actual} of {c}"
-            );
+            assert!(relative > 0.0 && relative <= 0.01 * (1.0 + 1e-12), "{actual} of {c}");
         }
         assert_eq!(real, coefficients(0.01));
     }

@@ -56,10 +56,7 @@ fn faults_of(path: &Path) -> PatchFaults {
 }
 
 fn found(records: &[FaultRecord]) -> Vec<Expectation> {
-    records
-        .iter()
-        .map(|r| (r.code.to_owned(), r.file.clone(), r.line))
-        .collect()
+    records.iter().map(|r| (r.code.to_owned(), r.file.clone(), r.line)).collect()
 }
 
 #[test]
@@ -91,14 +88,9 @@ fn each_kind_of_fault_has_its_file() {
         .collect();
     for code in PatchFault::CODES {
         assert!(names.contains(*code), "no patch-files/bad/{code}.toml");
-        let path = files()
-            .into_iter()
-            .find(|p| p.file_stem().unwrap() == *code);
+        let path = files().into_iter().find(|p| p.file_stem().unwrap() == *code);
         let expected = expectations(&path.unwrap());
-        assert!(
-            expected.iter().any(|(c, _, _)| c == code),
-            "{code}.toml does not show {code}"
-        );
+        assert!(expected.iter().any(|(c, _, _)| c == code), "{code}.toml does not show {code}");
     }
 }
 
@@ -123,16 +115,9 @@ fn each_fault_shows_its_line_and_a_remedy() {
 
 #[test]
 fn an_algebraic_loop_is_shown_as_the_whole_cycle() {
-    let path = files()
-        .into_iter()
-        .find(|p| p.ends_with("algebraic-loop.toml"))
-        .unwrap();
+    let path = files().into_iter().find(|p| p.ends_with("algebraic-loop.toml")).unwrap();
     let record = faults_of(&path).to_list().remove(0);
-    assert!(
-        record.message.contains("error → scaled → output → error"),
-        "{}",
-        record.message
-    );
+    assert!(record.message.contains("error → scaled → output → error"), "{}", record.message);
     for edge in ["error → scaled", "scaled → output", "output → error"] {
         assert!(record.help.contains(edge), "{}", record.help);
     }

@@ -27,10 +27,7 @@ fn bench(blocks: &str) -> Bench {
     };
     let ordered = compile(&bundle, &[]).unwrap_or_else(|faults| panic!("{}", faults.render()));
     let simulation = Simulation::new(&ordered).unwrap();
-    Bench {
-        ordered,
-        simulation,
-    }
+    Bench { ordered, simulation }
 }
 
 impl Bench {
@@ -90,12 +87,10 @@ fn resolvers_turn_either_way_about_one_angle() {
         back = { kind = "resolver", in = ["forth.x", "forth.y", "-3 * t"] }
     "#;
     // Argument 3t up to 6: its rounding, 6 ulp, turns a vector of length 2.9.
-    bench(blocks).follows("forth.x", 2.0, ROUNDING, |t| {
-        t * (3.0 * t).cos() - 2.0 * (3.0 * t).sin()
-    });
-    bench(blocks).follows("forth.y", 2.0, ROUNDING, |t| {
-        t * (3.0 * t).sin() + 2.0 * (3.0 * t).cos()
-    });
+    bench(blocks)
+        .follows("forth.x", 2.0, ROUNDING, |t| t * (3.0 * t).cos() - 2.0 * (3.0 * t).sin());
+    bench(blocks)
+        .follows("forth.y", 2.0, ROUNDING, |t| t * (3.0 * t).sin() + 2.0 * (3.0 * t).cos());
     bench(blocks).follows("back.x", 2.0, ROUNDING, |t| t);
     bench(blocks).follows("back.y", 2.0, ROUNDING, |_| 2.0);
 }
@@ -112,12 +107,7 @@ fn arctangent_covers_four_quadrants_and_its_jump_is_located() {
     );
     let pi = std::f64::consts::PI;
     // t up to π, then t − 2π; the phase of the oscillator is good to the tolerance.
-    bench.follows(
-        "angle",
-        4.0,
-        1e-8,
-        |t| if t < pi { t } else { t - 2.0 * pi },
-    );
+    bench.follows("angle", 4.0, 1e-8, |t| if t < pi { t } else { t - 2.0 * pi });
     let beyond = 4.0 - 2.0 * pi;
     let area = 0.5 * pi * pi + 0.5 * (beyond * beyond - pi * pi);
     close(bench.net("area"), area, 1e-8, "area");
@@ -132,9 +122,8 @@ fn two_variable_function_is_bilinear_and_flat_beyond_its_table() {
         v = { kind = "summer", in = ["2 * one", "-t"] }
         z = { kind = "function-2d", in = ["1.5 * t", "v"], x = [0.5, 1.0, 2.5], y = [-0.5, 0.5, 1.5], z = [[-0.25, 0.25, 0.75], [-0.5, 0.5, 1.5], [-1.25, 1.25, 3.75]] }
     "#;
-    bench(blocks).follows("z", 3.0, ROUNDING, |t| {
-        (1.5 * t).clamp(0.5, 2.5) * (2.0 - t).clamp(-0.5, 1.5)
-    });
+    bench(blocks)
+        .follows("z", 3.0, ROUNDING, |t| (1.5 * t).clamp(0.5, 2.5) * (2.0 - t).clamp(-0.5, 1.5));
 }
 
 #[test]
@@ -151,13 +140,10 @@ fn levels_given_by_nets_move_the_corners() {
     "#;
     let u = |t: f64| 2.0 * (std::f64::consts::TAU * (0.5 * t)).sin();
     let w = |t: f64| 0.2 + 0.3 * t;
-    bench(blocks).follows("zone", 3.0, ROUNDING, |t| {
-        u(t).signum() * (u(t).abs() - w(t)).max(0.0)
-    });
+    bench(blocks).follows("zone", 3.0, ROUNDING, |t| u(t).signum() * (u(t).abs() - w(t)).max(0.0));
     bench(blocks).follows("limited", 3.0, ROUNDING, |t| u(t).clamp(-w(t), w(t)));
-    bench(blocks).follows("fixed_zone", 3.0, ROUNDING, |t| {
-        u(t).signum() * (u(t).abs() - 0.7).max(0.0)
-    });
+    bench(blocks)
+        .follows("fixed_zone", 3.0, ROUNDING, |t| u(t).signum() * (u(t).abs() - 0.7).max(0.0));
     bench(blocks).follows("fixed", 3.0, ROUNDING, |t| u(t).clamp(-0.5, 1.2));
 }
 
@@ -264,11 +250,7 @@ fn rate_limiter_slews_then_settles() {
     "#;
     // The rate falls below its limit where 3 − y = 2·0.01, at t = 1.49.
     bench(blocks).follows("y", 1.6, 3e-8, |t| {
-        if t <= 1.49 {
-            2.0 * t
-        } else {
-            3.0 - 0.02 * (-(t - 1.49) / 0.01).exp()
-        }
+        if t <= 1.49 { 2.0 * t } else { 3.0 - 0.02 * (-(t - 1.49) / 0.01).exp() }
     });
 }
 
@@ -305,10 +287,7 @@ fn noise_is_normal_white_and_repeats_by_its_seed() {
     assert!(mean.abs() < 2.0 * five, "mean {mean}");
     let variance = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
     // The variance of a normal variance is 2σ⁴/n.
-    assert!(
-        (variance - 4.0).abs() < 4.0 * 2.0_f64.sqrt() * five,
-        "{variance}"
-    );
+    assert!((variance - 4.0).abs() < 4.0 * 2.0_f64.sqrt() * five, "{variance}");
     let next: f64 = x.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / (n * variance);
     assert!(next.abs() < five, "correlation {next}");
     // Of a normal sample 68.27 % lie within σ.
@@ -328,12 +307,7 @@ fn settling_converter_starts_from_what_it_had() {
     "#,
     );
     let transfer = |bench: &mut Bench, value: f64, from_s: f64, settling_s: f64| {
-        let piece = DacPiece {
-            value,
-            slope_per_s: 0.0,
-            from_s,
-            settling_s,
-        };
+        let piece = DacPiece { value, slope_per_s: 0.0, from_s, settling_s };
         bench.simulation.set_dac(3, piece);
         bench.simulation.set_dac(4, piece);
         bench.simulation.apply().unwrap();
@@ -357,12 +331,7 @@ fn settling_converter_starts_from_what_it_had() {
     // Twice the integrals of the three parts; e^{-t/0.1} leaves 0.1·(1 − e^{-…}) each.
     let one = 2.0 * 0.05 - 0.2 * (1.0 - (-0.5_f64).exp());
     let two = -0.1 + 0.1 * (first + 1.0) * (1.0 - (-1.0_f64).exp());
-    close(
-        bench.net("y"),
-        2.0 * (one + two + 0.85 * 0.5),
-        1e-8,
-        "integral",
-    );
+    close(bench.net("y"), 2.0 * (one + two + 0.85 * 0.5), 1e-8, "integral");
 }
 
 #[test]
@@ -405,10 +374,7 @@ fn folding_does_not_change_the_equations() {
         sum_2 = { kind = "summer", in = ["0.1 * x", "-0.2 * y", "0.3 * gain", "0.1 * inverted", "0.1 * u"] }
     "#;
     let mut monitors = String::new();
-    for (i, net) in ["xy", "sum", "sum_2", "pull", "push", "bent"]
-        .iter()
-        .enumerate()
-    {
+    for (i, net) in ["xy", "sum", "sum_2", "pull", "push", "bent"].iter().enumerate() {
         let limited =
             format!("keep_{i} = {{ kind = \"multiplier\", in = [\"{net}\", \"nil\"] }}\n");
         monitors += &limited;
@@ -428,10 +394,7 @@ fn folding_does_not_change_the_equations() {
             let driver = bench.ordered.netlist.nets[bench.id(net).index()].driver;
             let found = bench.simulation.derivative(driver).unwrap();
             // A dozen roundings of terms up to 1.5.
-            assert!(
-                (found - rate).abs() < 12.0 * 1.5 * f64::EPSILON,
-                "{net}: {found}"
-            );
+            assert!((found - rate).abs() < 12.0 * 1.5 * f64::EPSILON, "{net}: {found}");
         }
     }
     folded.advance(5.0);
@@ -465,8 +428,5 @@ fn edges_that_nobody_takes_do_not_pile_up() {
     let made = kept.len() as u64 + lost;
     assert!((99_999..=100_001).contains(&made), "{made} edges");
     let last = kept.last().unwrap().1;
-    assert!(
-        (last - 0.5).abs() < 1.1e-5,
-        "the latest are kept, up to {last}"
-    );
+    assert!((last - 0.5).abs() < 1.1e-5, "the latest are kept, up to {last}");
 }

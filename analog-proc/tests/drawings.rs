@@ -15,10 +15,7 @@ fn load(name: &str) -> Ordered {
 }
 
 fn from_text(text: &str) -> Ordered {
-    let bundle = PatchBundle {
-        root: "p.toml".into(),
-        files: vec![("p.toml".into(), text.into())],
-    };
+    let bundle = PatchBundle { root: "p.toml".into(), files: vec![("p.toml".into(), text.into())] };
     compile(&bundle, &[]).unwrap_or_else(|f| panic!("{}", f.render()))
 }
 

@@ -6,10 +6,7 @@ use interface::control::PatchBundle;
 use proptest::prelude::*;
 
 fn bundle(text: &str) -> PatchBundle {
-    PatchBundle {
-        root: "p.toml".into(),
-        files: vec![("p.toml".into(), text.into())],
-    }
+    PatchBundle { root: "p.toml".into(), files: vec![("p.toml".into(), text.into())] }
 }
 
 /// Compiles, and shows whatever faults there are in every form.
@@ -104,27 +101,17 @@ fn deep_nesting_is_refused() {
     }
     let dotted = format!("{} = 1", ["a"; 50_000].join("."));
     assert!(compile(&bundle(&dotted), &[]).is_err());
-    let long = format!(
-        "[blocks]\nx = {{ kind = \"summer\", in = [\"{}x\"] }}",
-        "2*".repeat(200_000)
-    );
+    let long =
+        format!("[blocks]\nx = {{ kind = \"summer\", in = [\"{}x\"] }}", "2*".repeat(200_000));
     assert!(compile(&bundle(&long), &[]).is_err());
 }
 
 #[test]
 fn a_chain_of_sub_patches_is_refused_where_it_is_too_deep() {
     let files = (0..100)
-        .map(|i| {
-            (
-                format!("{i}.toml"),
-                format!("[use]\nu = {{ patch = \"{}.toml\" }}\n", i + 1),
-            )
-        })
+        .map(|i| (format!("{i}.toml"), format!("[use]\nu = {{ patch = \"{}.toml\" }}\n", i + 1)))
         .collect();
-    let deep = PatchBundle {
-        root: "0.toml".into(),
-        files,
-    };
+    let deep = PatchBundle { root: "0.toml".into(), files };
     let faults = compile(&deep, &[]).unwrap_err();
     assert_eq!(faults.faults()[0].code_name(), "too-large");
 }
@@ -132,12 +119,7 @@ fn a_chain_of_sub_patches_is_refused_where_it_is_too_deep() {
 #[test]
 fn a_large_patch_compiles_and_a_large_faulty_one_ends() {
     let good: String = (0..20_000)
-        .map(|i| {
-            format!(
-                "x{i} = {{ kind = \"integrator\", in = [\"x{}\"] }}\n",
-                (i + 1) % 20_000
-            )
-        })
+        .map(|i| format!("x{i} = {{ kind = \"integrator\", in = [\"x{}\"] }}\n", (i + 1) % 20_000))
         .collect();
     assert!(compile(&bundle(&format!("[blocks]\n{good}")), &[]).is_ok());
     let bad = good.replace("in = [\"x", "in = [\"y");

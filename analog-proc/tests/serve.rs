@@ -44,15 +44,8 @@ impl Session {
         let (mut analog, port) = memory::pair();
         let analog = std::thread::spawn(move || serve(&mut analog));
         let mut session = Session { port, analog };
-        let bundle = PatchBundle {
-            root: "p".into(),
-            files: vec![("p".into(), PATCH.into())],
-        };
-        let reply = session.request(Request::Load {
-            bundle,
-            params: Vec::new(),
-            profile,
-        });
+        let bundle = PatchBundle { root: "p".into(), files: vec![("p".into(), PATCH.into())] };
+        let reply = session.request(Request::Load { bundle, params: Vec::new(), profile });
         assert!(matches!(reply, Reply::Loaded { .. }), "{reply:?}");
         session
     }
@@ -118,11 +111,7 @@ fn values(values: &[(&str, f64)]) -> Vec<(String, f64)> {
 }
 
 fn assumed<T>(value: T) -> Option<Sourced<T>> {
-    Some(Sourced {
-        value,
-        status: Provenance::Assumed,
-        source: "for this test".into(),
-    })
+    Some(Sourced { value, status: Provenance::Assumed, source: "for this test".into() })
 }
 
 /// DACs of 12 bits, coefficient units of 14 bits and range 1.

@@ -47,15 +47,7 @@ fn every_shipped_patch_says_what_to_see() {
     for path in patches() {
         let text = std::fs::read_to_string(&path).unwrap();
         let comment: Vec<&str> = text.lines().take_while(|l| l.starts_with('#')).collect();
-        assert!(
-            comment.len() >= 2,
-            "{} begins without comment",
-            path.display()
-        );
-        assert!(
-            text.contains("\ntitle = "),
-            "{} has no title",
-            path.display()
-        );
+        assert!(comment.len() >= 2, "{} begins without comment", path.display());
+        assert!(text.contains("\ntitle = "), "{} has no title", path.display());
     }
 }

@@ -31,13 +31,9 @@ fn flight(criterion: &mut Criterion) {
     let directory = tempfile::tempdir().unwrap();
     let vehicle = Vehicle::shipped().unwrap();
     let mut group = criterion.benchmark_group("flight of 49 s");
-    group
-        .sample_size(20)
-        .measurement_time(Duration::from_secs(8));
+    group.sample_size(20).measurement_time(Duration::from_secs(8));
     group.bench_function("two processes", |b| b.iter(|| fly(directory.path(), "shm")));
-    group.bench_function("memory link", |b| {
-        b.iter(|| fly(directory.path(), "memory"))
-    });
+    group.bench_function("memory link", |b| b.iter(|| fly(directory.path(), "memory")));
     group.bench_function("monolithic reference", |b| {
         b.iter(|| reference::fly(&vehicle, &FlightCase::undisturbed(), 1000, |_| {}).unwrap());
     });

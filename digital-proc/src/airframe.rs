@@ -98,9 +98,7 @@ pub fn airframe_at(
 ) -> Result<AirframeCoefficients, AtmosphereError> {
     let air = air_at(altitude_m)?;
     let (mass, motor) = vehicle.mass_at(time_s);
-    let net = vehicle
-        .motor()
-        .net_thrust(motor.vacuum_thrust_n, air.pressure_pa);
+    let net = vehicle.motor().net_thrust(motor.vacuum_thrust_n, air.pressure_pa);
     let mach = airspeed_mps / air.speed_of_sound_mps;
     let aero = vehicle.aero_at(mach);
     let data = vehicle.data();
@@ -174,26 +172,14 @@ mod tests {
             ("A", k.axial_force_n, qs * 0.54),
             ("L_alpha", k.normal_force_slope_nprad, qs * 4.55),
             ("M_alpha", k.moment_slope_nmprad, qs * (3.20 * b + 1.35 * f)),
-            (
-                "F_delta",
-                k.tip_pair_force_slope_nprad,
-                2.0 * k.dynamic_pressure_pa * 0.065 * 1.90,
-            ),
-            (
-                "L_p",
-                k.roll_damping_nms,
-                -qs / speed * 2.0 * 1.35 * 0.75 * 0.75,
-            ),
+            ("F_delta", k.tip_pair_force_slope_nprad, 2.0 * k.dynamic_pressure_pa * 0.065 * 1.90),
+            ("L_p", k.roll_damping_nms, -qs / speed * 2.0 * 1.35 * 0.75 * 0.75),
             (
                 "L_pair",
                 k.tip_pair_roll_slope_nmprad,
                 2.0 * k.dynamic_pressure_pa * 0.065 * 1.90 * 1.05,
             ),
-            (
-                "cant",
-                k.fin_cant_moment_nm,
-                qs * 2.0 * 1.35 * 0.75 * (0.05f64).to_radians(),
-            ),
+            ("cant", k.fin_cant_moment_nm, qs * 2.0 * 1.35 * 0.75 * (0.05f64).to_radians()),
             (
                 "M_q",
                 k.rate_damping_nms,
@@ -204,10 +190,7 @@ mod tests {
         ];
         for (what, got, hand) in rows {
             // The file prints π/4 with ten digits: half a unit of 1e-10 of 0.785.
-            assert!(
-                (got / hand - 1.0).abs() < 0.7e-10,
-                "{what}: {got} against {hand}"
-            );
+            assert!((got / hand - 1.0).abs() < 0.7e-10, "{what}: {got} against {hand}");
         }
         assert!(k.edges.is_empty());
     }
@@ -217,14 +200,7 @@ mod tests {
         let vehicle = Vehicle::shipped().unwrap();
         let k = airframe_at(&vehicle, 49.5, 20_000.0, 2_000.0).unwrap();
         let names: Vec<_> = k.edges.iter().map(|(table, _)| table).collect();
-        assert_eq!(
-            names,
-            [
-                TableName::Thrust,
-                TableName::RollInertia,
-                TableName::Aerodynamics
-            ]
-        );
+        assert_eq!(names, [TableName::Thrust, TableName::RollInertia, TableName::Aerodynamics]);
         assert!(k.nozzle_unfilled);
         assert!(airframe_at(&vehicle, 10.0, 90_000.0, 500.0).is_err());
     }

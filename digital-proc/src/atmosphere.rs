@@ -106,9 +106,7 @@ pub fn air_at(altitude_m: f64) -> Result<Air, AtmosphereError> {
         return Err(AtmosphereError { altitude_m });
     }
     let geopotential_m = geopotential_altitude_m(altitude_m);
-    let layer = LAYERS
-        .partition_point(|&(base_m, _)| base_m <= geopotential_m)
-        .saturating_sub(1);
+    let layer = LAYERS.partition_point(|&(base_m, _)| base_m <= geopotential_m).saturating_sub(1);
     let (temperature_k, pressure_pa) = within_layer(layer, BASES[layer], geopotential_m);
     let specific_gas_constant = GAS_CONSTANT_JPMOLK / MOLAR_MASS_KGPMOL;
     Ok(Air {
@@ -145,22 +143,10 @@ mod tests {
             let air = air_at(altitude_m).unwrap();
             // One unit of the last printed digit: temperatures to 0.001 K,
             // speeds to 0.01 m/s, pressure and density to five digits.
-            assert!(
-                (air.temperature_k - kelvin).abs() <= 1e-3,
-                "{altitude_m}: {air:?}"
-            );
-            assert!(
-                (air.speed_of_sound_mps - sound).abs() <= 1e-2,
-                "{altitude_m}: {air:?}"
-            );
-            assert!(
-                (air.pressure_pa / pa - 1.0).abs() <= 1e-4,
-                "{altitude_m}: {air:?}"
-            );
-            assert!(
-                (air.density_kgpm3 / density - 1.0).abs() <= 1e-4,
-                "{altitude_m}: {air:?}"
-            );
+            assert!((air.temperature_k - kelvin).abs() <= 1e-3, "{altitude_m}: {air:?}");
+            assert!((air.speed_of_sound_mps - sound).abs() <= 1e-2, "{altitude_m}: {air:?}");
+            assert!((air.pressure_pa / pa - 1.0).abs() <= 1e-4, "{altitude_m}: {air:?}");
+            assert!((air.density_kgpm3 / density - 1.0).abs() <= 1e-4, "{altitude_m}: {air:?}");
         }
     }
 
@@ -171,14 +157,8 @@ mod tests {
             let (low, high) = (air_at(z - 1e-3).unwrap(), air_at(z + 1e-3).unwrap());
             // 2 mm of altitude: dp/p = 2e-3/scale height (> 5 km) < 5e-7;
             // dT < 2e-3 · 6.5e-3 K.
-            assert!(
-                (low.pressure_pa / high.pressure_pa - 1.0).abs() < 5e-7,
-                "{base_m} {lapse}"
-            );
-            assert!(
-                (low.temperature_k - high.temperature_k).abs() < 2e-5,
-                "{base_m}"
-            );
+            assert!((low.pressure_pa / high.pressure_pa - 1.0).abs() < 5e-7, "{base_m} {lapse}");
+            assert!((low.temperature_k - high.temperature_k).abs() < 2e-5, "{base_m}");
         }
     }
 

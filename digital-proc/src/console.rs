@@ -78,11 +78,7 @@ impl<'p> Console<'p> {
     /// Over a port whose two ends have greeted each other.
     #[must_use]
     pub fn new(port: &'p mut dyn DigitalPort) -> Console<'p> {
-        Console {
-            port,
-            channels: Vec::new(),
-            patch_hash: String::new(),
-        }
+        Console { port, channels: Vec::new(), patch_hash: String::new() }
     }
 
     /// Uploads a patch; the machine goes to IC.
@@ -95,25 +91,13 @@ impl<'p> Console<'p> {
         params: Vec<(String, f64)>,
         profile: Profile,
     ) -> Result<(), ConsoleFault> {
-        match request(
-            self.port,
-            &Request::Load {
-                bundle,
-                params,
-                profile,
-            },
-        )? {
-            Reply::Loaded {
-                patch_hash,
-                channels,
-            } => {
+        match request(self.port, &Request::Load { bundle, params, profile })? {
+            Reply::Loaded { patch_hash, channels } => {
                 self.patch_hash = patch_hash;
                 self.channels = channels;
                 Ok(())
             }
-            _ => Err(ConsoleFault::WrongReply {
-                request: "the patch",
-            }),
+            _ => Err(ConsoleFault::WrongReply { request: "the patch" }),
         }
     }
 
@@ -135,25 +119,18 @@ impl<'p> Console<'p> {
     /// [`ConsoleFault::NoChannel`] with the nearest name.
     pub fn channel(&self, kind: ChannelKind, name: &str) -> Result<usize, ConsoleFault> {
         let of_kind = || self.channels.iter().filter(move |c| c.kind == kind);
-        of_kind()
-            .find(|c| c.name == name)
-            .map(|c| c.number as usize)
-            .ok_or_else(|| {
-                let remedy = suggestion(name, of_kind().map(|c| c.name.as_str()));
-                let kind = match kind {
-                    ChannelKind::Adc => "ADC",
-                    ChannelKind::Dac => "DAC",
-                    ChannelKind::Dcu => "DCU",
-                    ChannelKind::Sense => "sense line",
-                    ChannelKind::Control => "control line",
-                    ChannelKind::Interrupt => "interrupt line",
-                };
-                ConsoleFault::NoChannel {
-                    kind,
-                    name: name.to_owned(),
-                    remedy,
-                }
-            })
+        of_kind().find(|c| c.name == name).map(|c| c.number as usize).ok_or_else(|| {
+            let remedy = suggestion(name, of_kind().map(|c| c.name.as_str()));
+            let kind = match kind {
+                ChannelKind::Adc => "ADC",
+                ChannelKind::Dac => "DAC",
+                ChannelKind::Dcu => "DCU",
+                ChannelKind::Sense => "sense line",
+                ChannelKind::Control => "control line",
+                ChannelKind::Interrupt => "interrupt line",
+            };
+            ConsoleFault::NoChannel { kind, name: name.to_owned(), remedy }
+        })
     }
 
     /// Pot-set: values for `[params]` entries; the machine goes to IC.
@@ -187,9 +164,7 @@ impl<'p> Console<'p> {
     pub fn read(&mut self, nets: Vec<String>) -> Result<Vec<f64>, ConsoleFault> {
         match request(self.port, &Request::Read(nets))? {
             Reply::Values(values) => Ok(values),
-            _ => Err(ConsoleFault::WrongReply {
-                request: "a read-back",
-            }),
+            _ => Err(ConsoleFault::WrongReply { request: "a read-back" }),
         }
     }
 
@@ -200,9 +175,7 @@ impl<'p> Console<'p> {
     pub fn diagnose(&mut self) -> Result<Diagnosis, ConsoleFault> {
         match request(self.port, &Request::Diagnose)? {
             Reply::Diagnosis { fault, overloads } => Ok(Diagnosis { fault, overloads }),
-            _ => Err(ConsoleFault::WrongReply {
-                request: "a diagnosis",
-            }),
+            _ => Err(ConsoleFault::WrongReply { request: "a diagnosis" }),
         }
     }
 
@@ -236,11 +209,9 @@ impl<'p> Console<'p> {
         for frame in 0.. {
             let samples = self.port.await_samples(frame).map_err(ConsoleFault::from)?;
             if samples.frame != frame && samples.run_state() != RunState::Faulted {
-                return Err(ConsoleFault::LostFrames {
-                    expected: frame,
-                    found: samples.frame,
-                }
-                .into());
+                return Err(
+                    ConsoleFault::LostFrames { expected: frame, found: samples.frame }.into()
+                );
             }
             let mut updates = Updates::new(frame, samples.tick + spec.latency);
             match samples.run_state() {
@@ -250,21 +221,12 @@ impl<'p> Console<'p> {
                     return Ok(samples);
                 }
                 RunState::Faulted => {
-                    let fault = self
-                        .diagnose()?
-                        .fault
-                        .unwrap_or_else(|| "no reason given".into());
-                    return Err(ConsoleFault::RunFault {
-                        time: samples.tick,
-                        fault,
-                    }
-                    .into());
+                    let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
+                    return Err(ConsoleFault::RunFault { time: samples.tick, fault }.into());
                 }
                 RunState::Operate | RunState::Hold => {
                     let done = law(&samples, &mut updates)?;
-                    self.port
-                        .send_updates(&updates)
-                        .map_err(ConsoleFault::from)?;
+                    self.port.send_updates(&updates).map_err(ConsoleFault::from)?;
                     after(&samples, done)?;
                 }
             }

@@ -270,10 +270,7 @@ mod tests {
             }
         }
         let lost = at(FlightMode::RollLost, 0.0, 30.0);
-        let mended = ControlSettings {
-            roll_gain: normal.roll_gain,
-            ..lost
-        };
+        let mended = ControlSettings { roll_gain: normal.roll_gain, ..lost };
         assert_eq!(mended, normal);
         assert_eq!(lost.roll_gain, 0.0);
         let stuck = at(FlightMode::SequencerStuck, 0.0, 45.0);

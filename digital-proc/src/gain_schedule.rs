@@ -41,10 +41,7 @@ impl GainSchedule {
                 dead_zone_rad: data.dead_zone_deg[i].to_radians(),
             })
             .collect();
-        Self {
-            switch_time_s: data.switch_time_s.clone(),
-            gains,
-        }
+        Self { switch_time_s: data.switch_time_s.clone(), gains }
     }
 
     /// Gains in force at a flight time; before 0 s those of the first interval.

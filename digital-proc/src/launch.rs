@@ -96,10 +96,7 @@ impl Started {
                     .name("analog-proc".into())
                     .spawn(move || drop((analog.serve)(&mut far)))
                     .map_err(LaunchFault::Spawn)?;
-                Ok(Started {
-                    port: Box::new(near),
-                    partner: Partner::Thread(Some(thread)),
-                })
+                Ok(Started { port: Box::new(near), partner: Partner::Thread(Some(thread)) })
             }
             LinkChoice::Shm => {
                 let session = Session::create(Side::Digital, None)?;
@@ -112,23 +109,14 @@ impl Started {
                     .stdout(Stdio::null())
                     .spawn()
                     .map_err(LaunchFault::Spawn)?;
-                let guard = Guard {
-                    child,
-                    session: session.clone(),
-                };
+                let guard = Guard { child, session: session.clone() };
                 let port = ShmDigital::open(&session, Some(guard.child.id()), &patience)?;
-                Ok(Started {
-                    port: Box::new(port),
-                    partner: Partner::Process(guard),
-                })
+                Ok(Started { port: Box::new(port), partner: Partner::Process(guard) })
             }
             LinkChoice::Attach(name) => {
                 let session = Session::join(Side::Digital, name)?;
                 let port = ShmDigital::open(&session, None, &patience)?;
-                Ok(Started {
-                    port: Box::new(port),
-                    partner: Partner::Foreign(session),
-                })
+                Ok(Started { port: Box::new(port), partner: Partner::Foreign(session) })
             }
         }
     }

@@ -34,10 +34,7 @@ const LARGEST_NORM: f64 = 5.371_920_351_148_152;
 pub(crate) fn matrix_exp(a: &DMatrix<f64>) -> DMatrix<f64> {
     let n = a.nrows();
     let not_a_number = || DMatrix::from_element(n, n, f64::NAN);
-    let norm = a
-        .column_iter()
-        .map(|c| c.iter().map(|v| v.abs()).sum())
-        .fold(0.0, f64::max);
+    let norm = a.column_iter().map(|c| c.iter().map(|v| v.abs()).sum()).fold(0.0, f64::max);
     if !a.iter().all(|v| v.is_finite()) || f64::is_infinite(norm) {
         return not_a_number();
     }
@@ -78,41 +75,24 @@ mod tests {
     #[test]
     fn damped_rotations_small_and_large() {
         // exp [[-a, -w], [w, -a]] is a rotation by w, shrunk by e^{-a}.
-        for (a, w) in [
-            (1e-9, 2e-9),
-            (0.1, 0.7),
-            (2.0, 3.0),
-            (0.5, 40.0),
-            (-3.0, 300.0_f64),
-        ] {
+        for (a, w) in [(1e-9, 2e-9), (0.1, 0.7), (2.0, 3.0), (0.5, 40.0), (-3.0, 300.0_f64)] {
             let e = matrix_exp(&DMatrix::from_row_slice(2, 2, &[-a, -w, w, -a]));
             let (sin, cos) = w.sin_cos();
             let expected = [cos, -sin, sin, cos].map(|v| v * (-a).exp());
             // A rounding of A turns by as much as its norm; squaring keeps that.
             let tolerance = 8.0 * f64::EPSILON * (1.0 + a.abs() + w) * (-a).exp();
             for (found, expected) in e.transpose().iter().zip(expected) {
-                assert!(
-                    (found - expected).abs() < tolerance,
-                    "{a} {w}: {found} {expected}"
-                );
+                assert!((found - expected).abs() < tolerance, "{a} {w}: {found} {expected}");
             }
         }
     }
 
     #[test]
     fn a_chain_of_integrators_gives_powers_over_factorials() {
-        let e = matrix_exp(&DMatrix::from_fn(
-            6,
-            6,
-            |i, j| if j == i + 1 { 3.0 } else { 0.0 },
-        ));
+        let e = matrix_exp(&DMatrix::from_fn(6, 6, |i, j| if j == i + 1 { 3.0 } else { 0.0 }));
         for (k, expected) in [1.0, 3.0, 4.5, 4.5, 3.375, 2.025].into_iter().enumerate() {
             // Some ten sums of terms no greater than the result.
-            assert!(
-                (e[(0, k)] / expected - 1.0).abs() < 16.0 * f64::EPSILON,
-                "{k}: {}",
-                e[(0, k)]
-            );
+            assert!((e[(0, k)] / expected - 1.0).abs() < 16.0 * f64::EPSILON, "{k}: {}", e[(0, k)]);
         }
     }
 

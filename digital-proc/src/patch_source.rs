@@ -28,24 +28,15 @@ pub struct PatchUnreadable {
 /// When the root itself cannot be read.
 pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchUnreadable> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let root = path
-        .file_name()
-        .map(|n| n.to_string_lossy().into_owned())
-        .unwrap_or_default();
-    let text = user_file::read_text(path).map_err(|cause| PatchUnreadable {
-        path: path.to_owned(),
-        cause,
-    })?;
+    let root = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let text = user_file::read_text(path)
+        .map_err(|cause| PatchUnreadable { path: path.to_owned(), cause })?;
     let mut files = vec![(root.clone(), text)];
     let mut next = 0;
     while next < files.len() {
         let (user, text) = &files[next];
         next += 1;
-        for name in used(text)
-            .iter()
-            .filter_map(|w| join(user, w))
-            .collect::<Vec<_>>()
-        {
+        for name in used(text).iter().filter_map(|w| join(user, w)).collect::<Vec<_>>() {
             let known = files.iter().any(|(n, _)| *n == name);
             if !known
                 && files.len() < MOST_FILES

@@ -37,9 +37,7 @@ impl PitchProgramme {
             pitch_deg -= rate_dps * (interval[1] - interval[0]);
             pitches_rad.push(pitch_deg.to_radians());
         }
-        Ok(Self {
-            pitch_rad: Table::new(nodes.clone(), pitches_rad)?,
-        })
+        Ok(Self { pitch_rad: Table::new(nodes.clone(), pitches_rad)? })
     }
 
     /// The command at a flight time.
@@ -79,10 +77,7 @@ mod tests {
         ] {
             // A few roundings of numbers near 1.6 rad.
             let command = programme.at(t);
-            assert!(
-                (command.pitch_rad - f64::to_radians(deg)).abs() < 1e-14,
-                "{t}"
-            );
+            assert!((command.pitch_rad - f64::to_radians(deg)).abs() < 1e-14, "{t}");
         }
         assert_eq!(programme.at(0.0).edge, Edge::Inside);
         assert_eq!(programme.at(9.5).edge, Edge::Above);

@@ -18,12 +18,7 @@ impl Progress {
     /// `total` pieces of `unit` are to be done.
     #[must_use]
     pub fn new(total: u64, unit: &'static str) -> Progress {
-        Progress {
-            bar: None,
-            started: Instant::now(),
-            total,
-            unit,
-        }
+        Progress { bar: None, started: Instant::now(), total, unit }
     }
 
     /// `done` pieces are done.

@@ -161,28 +161,16 @@ const NAMES: [&str; 4 + STATE_LEN] = [
 fn split(y: &[f64; 4 + STATE_LEN]) -> (TrajectoryState, AttitudeState) {
     let translation: [f64; 4] = std::array::from_fn(|i| y[i]);
     let rotation: [f64; STATE_LEN] = std::array::from_fn(|i| y[4 + i]);
-    (
-        TrajectoryState::from_array(translation),
-        AttitudeState::from_array(rotation),
-    )
+    (TrajectoryState::from_array(translation), AttitudeState::from_array(rotation))
 }
 
 fn joined(translation: [f64; 4], rotation: [f64; STATE_LEN]) -> [f64; 4 + STATE_LEN] {
-    std::array::from_fn(|i| {
-        if i < 4 {
-            translation[i]
-        } else {
-            rotation[i - 4]
-        }
-    })
+    std::array::from_fn(|i| if i < 4 { translation[i] } else { rotation[i - 4] })
 }
 
 fn require_finite(time_s: f64, y: &[f64; 4 + STATE_LEN]) -> Result<(), FlightError> {
     match y.iter().position(|v| !v.is_finite()) {
-        Some(i) => Err(FlightError::NotFinite {
-            time_s,
-            variable: NAMES[i],
-        }),
+        Some(i) => Err(FlightError::NotFinite { time_s, variable: NAMES[i] }),
         None => Ok(()),
     }
 }
@@ -249,10 +237,7 @@ pub fn fly(
         })?;
         require_finite(time_s + step_s, &y)?;
     }
-    monitor.finish().ok_or(FlightError::BadSetting {
-        what: "the number of samples",
-        value: 0.0,
-    })
+    monitor.finish().ok_or(FlightError::BadSetting { what: "the number of samples", value: 0.0 })
 }
 
 /// How θ enters the Runge–Kutta stages of a frame.
@@ -279,10 +264,7 @@ pub fn fly_partitioned(
 ) -> Result<FlightSummary, FlightError> {
     let steps = steps_to_burn_out(vehicle, steps_per_second)?;
     if steps_per_frame == 0 {
-        return Err(FlightError::BadSetting {
-            what: "the number of steps in a frame",
-            value: 0.0,
-        });
+        return Err(FlightError::BadSetting { what: "the number of steps in a frame", value: 0.0 });
     }
     let rate = f64::from(steps_per_second);
     let step_s = rate.recip();
@@ -320,15 +302,9 @@ pub fn fly_partitioned(
             })?;
             rotation = AttitudeState::from_array(next);
         }
-        require_finite(
-            time_s + frame_s,
-            &joined(translation.to_array(), rotation.to_array()),
-        )?;
+        require_finite(time_s + frame_s, &joined(translation.to_array(), rotation.to_array()))?;
     }
-    monitor.finish().ok_or(FlightError::BadSetting {
-        what: "the number of samples",
-        value: 0.0,
-    })
+    monitor.finish().ok_or(FlightError::BadSetting { what: "the number of samples", value: 0.0 })
 }
 
 #[cfg(test)]

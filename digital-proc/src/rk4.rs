@@ -47,10 +47,7 @@ mod tests {
         let h = end / f64::from(steps);
         let mut y = [1.0, 0.0];
         for n in 0..steps {
-            y = step(f64::from(n) * h, &y, h, |_, y| {
-                Ok::<_, Infallible>([y[1], -y[0]])
-            })
-            .unwrap();
+            y = step(f64::from(n) * h, &y, h, |_, y| Ok::<_, Infallible>([y[1], -y[0]])).unwrap();
         }
         ((y[0] - end.cos()).powi(2) + (y[1] + end.sin()).powi(2)).sqrt()
     }
@@ -59,10 +56,7 @@ mod tests {
     fn cubic_right_hand_sides_are_integrated_exactly() {
         // Simpson's rule is exact for cubics; what is left is rounding of a
         // handful of operations on numbers near 1.
-        let y = step(0.0, &[0.0], 1.0, |t, _| {
-            Ok::<_, Infallible>([4.0 * t * t * t - t])
-        })
-        .unwrap();
+        let y = step(0.0, &[0.0], 1.0, |t, _| Ok::<_, Infallible>([4.0 * t * t * t - t])).unwrap();
         assert!((y[0] - 0.5).abs() < 8.0 * f64::EPSILON, "{}", y[0]);
     }
 
@@ -76,12 +70,7 @@ mod tests {
 
     #[test]
     fn a_refusal_ends_the_step() {
-        let outcome = step(
-            0.0,
-            &[0.0],
-            1.0,
-            |t, _| if t > 0.7 { Err(t) } else { Ok([1.0]) },
-        );
+        let outcome = step(0.0, &[0.0], 1.0, |t, _| if t > 0.7 { Err(t) } else { Ok([1.0]) });
         assert_eq!(outcome, Err(1.0));
     }
 }

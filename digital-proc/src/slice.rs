@@ -77,21 +77,14 @@ pub fn points(vehicle: &Vehicle, wanted: &[(&str, f64)]) -> Result<Vec<SlicePoin
         // A hair of slack, so that 18.3 s counts as 915 whole steps.
         let whole = (time_s * STEPS_PER_SECOND + 1e-9).floor() as u64;
         while step_number < whole {
-            state = point_mass_step(
-                vehicle,
-                step_number as f64 / STEPS_PER_SECOND,
-                &state,
-                STEP_S,
-            )?;
+            state =
+                point_mass_step(vehicle, step_number as f64 / STEPS_PER_SECOND, &state, STEP_S)?;
             step_number += 1;
         }
         let start_s = whole as f64 / STEPS_PER_SECOND;
         let rest_s = time_s - start_s;
-        let there = if rest_s > 1e-9 {
-            point_mass_step(vehicle, start_s, &state, rest_s)?
-        } else {
-            state
-        };
+        let there =
+            if rest_s > 1e-9 { point_mass_step(vehicle, start_s, &state, rest_s)? } else { state };
         found[index] = Some(freeze(vehicle, name, time_s, there)?);
     }
     Ok(found.into_iter().flatten().collect())
@@ -144,17 +137,9 @@ mod tests {
         // The data set calls 18.3 s Mach 1.05: half a unit of its last digit.
         assert!((at("transonic").airframe.mach - 1.05).abs() <= 0.005);
         let peak = at("max-q").airframe.dynamic_pressure_pa;
-        assert!(
-            points
-                .iter()
-                .all(|p| p.airframe.dynamic_pressure_pa <= peak)
-        );
+        assert!(points.iter().all(|p| p.airframe.dynamic_pressure_pa <= peak));
         assert_eq!(at("ftc-switch-in").settings.gains.ftc_gain, 9.5);
-        assert!(
-            points
-                .iter()
-                .all(|p| p.airframe.edges.is_empty() && p.bending.edges.is_empty())
-        );
+        assert!(points.iter().all(|p| p.airframe.edges.is_empty() && p.bending.edges.is_empty()));
     }
 
     #[test]
@@ -187,10 +172,7 @@ mod tests {
                 a[(r, c)] = value;
             }
         };
-        row(
-            0,
-            &[(0, -lift / (m * v)), (1, -(axial + lift) / m), (3, 1.0 / m)],
-        );
+        row(0, &[(0, -lift / (m * v)), (1, -(axial + lift) / m), (3, 1.0 / m)]);
         row(1, &[(2, 1.0)]);
         row(
             2,

@@ -92,48 +92,28 @@ impl Table {
             });
         }
         if abscissae.len() < 2 {
-            return Err(TableError::TooShort {
-                points: abscissae.len(),
-            });
+            return Err(TableError::TooShort { points: abscissae.len() });
         }
         if let Some(fault) = first_abscissa_fault(&abscissae) {
             return Err(fault);
         }
         if let Some(index) = ordinates.iter().position(|y| !y.is_finite()) {
-            return Err(TableError::OrdinateNotFinite {
-                index,
-                value: ordinates[index],
-            });
+            return Err(TableError::OrdinateNotFinite { index, value: ordinates[index] });
         }
-        Ok(Self {
-            abscissae,
-            ordinates,
-        })
+        Ok(Self { abscissae, ordinates })
     }
 
     /// y(x) by linear interpolation. Logarithmic in the number of points.
     pub fn lookup(&self, x: f64) -> Lookup {
         let last = self.abscissae.len() - 1;
         if x.is_nan() {
-            return Lookup {
-                value: f64::NAN,
-                slope: f64::NAN,
-                edge: Edge::Inside,
-            };
+            return Lookup { value: f64::NAN, slope: f64::NAN, edge: Edge::Inside };
         }
         if x < self.abscissae[0] {
-            return Lookup {
-                value: self.ordinates[0],
-                slope: 0.0,
-                edge: Edge::Below,
-            };
+            return Lookup { value: self.ordinates[0], slope: 0.0, edge: Edge::Below };
         }
         if x > self.abscissae[last] {
-            return Lookup {
-                value: self.ordinates[last],
-                slope: 0.0,
-                edge: Edge::Above,
-            };
+            return Lookup { value: self.ordinates[last], slope: 0.0, edge: Edge::Above };
         }
         let right = self.abscissae.partition_point(|&a| a <= x).min(last);
         let (x0, x1) = (self.abscissae[right - 1], self.abscissae[right]);
@@ -141,11 +121,7 @@ impl Table {
         let slope = (y1 - y0) / (x1 - x0);
         // At x1 itself the form y0 + slope·(x − x0) may miss y1 by one rounding.
         let value = if x == x1 { y1 } else { y0 + slope * (x - x0) };
-        Lookup {
-            value,
-            slope,
-            edge: Edge::Inside,
-        }
+        Lookup { value, slope, edge: Edge::Inside }
     }
 
     /// The abscissae, strictly increasing.
@@ -217,10 +193,7 @@ mod tests {
 
     #[test]
     fn faulty_tables_are_refused() {
-        assert_eq!(
-            Table::new(vec![0.0], vec![0.0]),
-            Err(TableError::TooShort { points: 1 })
-        );
+        assert_eq!(Table::new(vec![0.0], vec![0.0]), Err(TableError::TooShort { points: 1 }));
         assert!(matches!(
             Table::new(vec![0.0, 1.0], vec![0.0]),
             Err(TableError::LengthMismatch { .. })

@@ -107,12 +107,6 @@ mod tests {
         other.note(TableName::Thrust, Edge::Below);
         record.merge(other);
         let met: Vec<_> = record.iter().collect();
-        assert_eq!(
-            met,
-            [
-                (TableName::Thrust, Edge::Below),
-                (TableName::Wind, Edge::Above)
-            ]
-        );
+        assert_eq!(met, [(TableName::Thrust, Edge::Below), (TableName::Wind, Edge::Above)]);
     }
 }

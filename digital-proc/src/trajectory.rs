@@ -106,22 +106,12 @@ impl TrajectoryState {
 
     /// As the array `[V, γ, h, Γ]`.
     pub fn to_array(self) -> [f64; 4] {
-        [
-            self.speed_mps,
-            self.path_angle_rad,
-            self.altitude_m,
-            self.range_angle_rad,
-        ]
+        [self.speed_mps, self.path_angle_rad, self.altitude_m, self.range_angle_rad]
     }
 
     /// From the array `[V, γ, h, Γ]`.
     pub fn from_array([speed_mps, path_angle_rad, altitude_m, range_angle_rad]: [f64; 4]) -> Self {
-        Self {
-            speed_mps,
-            path_angle_rad,
-            altitude_m,
-            range_angle_rad,
-        }
+        Self { speed_mps, path_angle_rad, altitude_m, range_angle_rad }
     }
 }
 
@@ -181,10 +171,7 @@ pub fn derivative(
     control_force_n: f64,
 ) -> Result<[f64; 4], FlightError> {
     if state.speed_mps <= 0.0 {
-        return Err(FlightError::SpeedLost {
-            time_s,
-            speed_mps: state.speed_mps,
-        });
+        return Err(FlightError::SpeedLost { time_s, speed_mps: state.speed_mps });
     }
     let site = &vehicle.data().site;
     let radius_m = site.earth_radius_m + state.altitude_m;
@@ -254,24 +241,14 @@ mod tests {
         let vehicle = Vehicle::shipped().unwrap();
         let state = TrajectoryState::at_lift_off(&vehicle);
         let (flow, airframe) = surroundings(&vehicle, &Wind::Calm, 0.0, &state).unwrap();
-        let slopes = derivative(
-            &vehicle,
-            0.0,
-            &state,
-            (&flow, &airframe),
-            std::f64::consts::FRAC_PI_2,
-            0.0,
-        )
-        .unwrap();
+        let slopes =
+            derivative(&vehicle, 0.0, &state, (&flow, &airframe), std::f64::consts::FRAC_PI_2, 0.0)
+                .unwrap();
         let gravity = 3.986004418e14 / (6_371_010.0f64).powi(2);
         // cos a and sin γ miss 1 by (1e-5)²/2; drag at 1 m/s is under 0.3 N of
         // 17.6 t, 1.5e-5 m/s².
         let expected = airframe.thrust_n / 17_610.0 - gravity;
-        assert!(
-            (slopes[0] - expected).abs() < 2e-5,
-            "{} {expected}",
-            slopes[0]
-        );
+        assert!((slopes[0] - expected).abs() < 2e-5, "{} {expected}", slopes[0]);
         assert!((slopes[2] - 1.0).abs() < 1e-9);
     }
 
@@ -297,11 +274,7 @@ mod tests {
         // After burn-out and far above the dense air: drag is what is left, so
         // take a vehicle without aerodynamics.
         let mut data = Vehicle::shipped().unwrap().data().clone();
-        for column in [
-            &mut data.aero.axial,
-            &mut data.aero.body_slope,
-            &mut data.aero.fin_slope,
-        ] {
+        for column in [&mut data.aero.axial, &mut data.aero.body_slope, &mut data.aero.fin_slope] {
             column.iter_mut().for_each(|c| *c = 0.0);
         }
         let vehicle = Vehicle::from_data(data).unwrap();
@@ -315,16 +288,11 @@ mod tests {
         let energy = |s: &TrajectoryState| 0.5 * s.speed_mps.powi(2) - 3.986004418e14 / radius(s);
         let momentum = |s: &TrajectoryState| radius(s) * s.speed_mps * s.path_angle_rad.cos();
         let (e0, l0) = (energy(&state), momentum(&state));
-        let sampled = SampledAttitude {
-            pitch_rad: 1.0,
-            extrapolation_radps: 0.0,
-            control_force_n: 0.0,
-        };
+        let sampled =
+            SampledAttitude { pitch_rad: 1.0, extrapolation_radps: 0.0, control_force_n: 0.0 };
         for n in 0..500 {
             let t = 60.0 + 0.1 * f64::from(n);
-            state = advance(&vehicle, &Wind::Calm, t, &state, 0.1, &sampled)
-                .unwrap()
-                .0;
+            state = advance(&vehicle, &Wind::Calm, t, &state, 0.1, &sampled).unwrap().0;
         }
         // RK4 at 0.1 s: the path turns at γ̇ ≈ g/V ≈ 0.01 rad/s, so h⁴γ̇⁵/120
         // is below 1e-16 a step; what remains is rounding, 500 steps of some
@@ -338,11 +306,8 @@ mod tests {
         let vehicle = Vehicle::shipped().unwrap();
         let mut state = TrajectoryState::at_lift_off(&vehicle);
         state.speed_mps = 0.0;
-        let sampled = SampledAttitude {
-            pitch_rad: 1.5,
-            extrapolation_radps: 0.0,
-            control_force_n: 0.0,
-        };
+        let sampled =
+            SampledAttitude { pitch_rad: 1.5, extrapolation_radps: 0.0, control_force_n: 0.0 };
         assert!(matches!(
             advance(&vehicle, &Wind::Calm, 0.0, &state, 0.1, &sampled),
             Err(FlightError::SpeedLost { .. })

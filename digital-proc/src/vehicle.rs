@@ -140,11 +140,7 @@ impl Vehicle {
     /// Mass properties at a flight time, with the motor's state there.
     pub fn mass_at(&self, time_s: f64) -> (MassProperties, MotorState) {
         let motor = self.motor.at(time_s);
-        (
-            self.mass
-                .at(time_s, motor.propellant_left_kg, motor.mass_flow_kgps),
-            motor,
-        )
+        (self.mass.at(time_s, motor.propellant_left_kg, motor.mass_flow_kgps), motor)
     }
 
     /// Aerodynamic coefficients at a Mach number.

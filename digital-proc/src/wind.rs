@@ -81,16 +81,9 @@ impl Wind {
     /// Wind at a geometric altitude, m.
     pub fn at(&self, altitude_m: f64) -> WindSample {
         match self {
-            Self::Calm => WindSample {
-                along_mps: 0.0,
-                cross_mps: 0.0,
-                edge: Edge::Inside,
-            },
+            Self::Calm => WindSample { along_mps: 0.0, cross_mps: 0.0, edge: Edge::Inside },
             Self::Synthetic(synthetic) => synthetic.at(altitude_m),
-            Self::Profile {
-                along_mps,
-                cross_fraction,
-            } => {
+            Self::Profile { along_mps, cross_fraction } => {
                 let found = along_mps.lookup(altitude_m);
                 WindSample {
                     along_mps: found.value,
@@ -127,10 +120,8 @@ impl SyntheticWind {
         sign: f64,
         reference_m: f64,
     ) -> Result<Self, TableError> {
-        let envelope_mps = Table::new(
-            data.envelope_altitude_m.clone(),
-            data.envelope_speed_mps.clone(),
-        )?;
+        let envelope_mps =
+            Table::new(data.envelope_altitude_m.clone(), data.envelope_speed_mps.clone())?;
         Ok(Self {
             reference_mps: envelope_mps.lookup(reference_m).value,
             envelope_mps,
@@ -155,11 +146,7 @@ impl SyntheticWind {
             envelope.value
         };
         let along_mps = self.sign * (steady_mps + self.gust_mps * self.gust_shape(-depth_m));
-        WindSample {
-            along_mps,
-            cross_mps: self.cross_fraction * along_mps,
-            edge: envelope.edge,
-        }
+        WindSample { along_mps, cross_mps: self.cross_fraction * along_mps, edge: envelope.edge }
     }
 
     /// 0…1, against height above the reference altitude, m.

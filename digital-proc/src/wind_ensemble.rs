@@ -29,17 +29,12 @@ pub const HEADWIND: f64 = -1.0;
 pub fn member(vehicle: &Vehicle, sign: f64, seed: u64) -> Result<Wind, TableError> {
     let wind = &vehicle.data().wind;
     let statistics = &vehicle.data().windstat;
-    let envelope = Table::new(
-        wind.envelope_altitude_m.clone(),
-        wind.envelope_speed_mps.clone(),
-    )?;
+    let envelope = Table::new(wind.envelope_altitude_m.clone(), wind.envelope_speed_mps.clone())?;
     let (lowest_m, highest_m) = match envelope.abscissae() {
         [first, .., last] => (*first, *last),
         _ => return Err(TableError::TooShort { points: 0 }),
     };
-    let intervals = ((highest_m - lowest_m) / SPACING_M)
-        .ceil()
-        .clamp(1.0, MOST_POINTS);
+    let intervals = ((highest_m - lowest_m) / SPACING_M).ceil().clamp(1.0, MOST_POINTS);
     let spacing_m = (highest_m - lowest_m) / intervals;
     let mut random = Normal::seeded(seed);
     let mut large = GaussMarkov::start(statistics.large_length_m, spacing_m, &mut random);
@@ -72,11 +67,7 @@ struct GaussMarkov {
 impl GaussMarkov {
     fn start(length_m: f64, spacing_m: f64, random: &mut Normal) -> Self {
         let carry = libm::exp(-spacing_m / length_m);
-        Self {
-            value: random.draw(),
-            carry,
-            fresh: (1.0 - carry * carry).sqrt(),
-        }
+        Self { value: random.draw(), carry, fresh: (1.0 - carry * carry).sqrt() }
     }
 
     fn advance(&mut self, random: &mut Normal) {
@@ -111,43 +102,24 @@ mod tests {
             let variance = x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
             let expected = (0.27 * envelope).powi(2) + 1.8f64.powi(2);
             // Four standard errors: σ/√n for the mean, σ²√(2/n) for the variance.
-            assert!(
-                (mean - 0.55 * envelope).abs() < 4.0 * (expected / n).sqrt(),
-                "{mean}"
-            );
-            assert!(
-                (variance / expected - 1.0).abs() < 4.0 * (2.0 / n).sqrt(),
-                "{variance}"
-            );
+            assert!((mean - 0.55 * envelope).abs() < 4.0 * (expected / n).sqrt(), "{mean}");
+            assert!((variance / expected - 1.0).abs() < 4.0 * (2.0 / n).sqrt(), "{variance}");
             mean
         };
         let (mean_low, mean_high) = (moments(&low, 42.0), moments(&high, 51.0));
-        let covariance = low
-            .iter()
-            .zip(&high)
-            .map(|(a, b)| (a - mean_low) * (b - mean_high))
-            .sum::<f64>()
-            / n;
+        let covariance =
+            low.iter().zip(&high).map(|(a, b)| (a - mean_low) * (b - mean_high)).sum::<f64>() / n;
         // e^{-1} of the large scale, e^{-10} of the small one.
         let expected = 0.27 * 42.0 * 0.27 * 51.0 * (-1f64).exp() + 1.8 * 1.8 * (-10f64).exp();
         // Standard error of a covariance: under σ_a σ_b √((1 + ρ²)/n).
         let error = (0.27 * 42.0 + 1.8) * (0.27 * 51.0 + 1.8) * (1.14 / n).sqrt();
-        assert!(
-            (covariance - expected).abs() < 4.0 * error,
-            "{covariance} {expected}"
-        );
+        assert!((covariance - expected).abs() < 4.0 * error, "{covariance} {expected}");
     }
 
     #[test]
     fn a_member_depends_on_its_seed_alone() {
         let vehicle = Vehicle::shipped().unwrap();
-        assert_eq!(
-            member(&vehicle, -1.0, 7).unwrap(),
-            member(&vehicle, -1.0, 7).unwrap()
-        );
-        assert_ne!(
-            member(&vehicle, -1.0, 7).unwrap(),
-            member(&vehicle, -1.0, 8).unwrap()
-        );
+        assert_eq!(member(&vehicle, -1.0, 7).unwrap(), member(&vehicle, -1.0, 7).unwrap());
+        assert_ne!(member(&vehicle, -1.0, 7).unwrap(), member(&vehicle, -1.0, 8).unwrap());
     }
 }

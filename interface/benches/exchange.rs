@@ -80,10 +80,9 @@ fn link_second(name: &str) {
     loop {
         let request = port.await_request().unwrap();
         let reply = match &request {
-            Request::Load { bundle, .. } => Reply::Loaded {
-                patch_hash: bundle.hash(),
-                channels: vec![],
-            },
+            Request::Load { bundle, .. } => {
+                Reply::Loaded { patch_hash: bundle.hash(), channels: vec![] }
+            }
             _ => Reply::Done,
         };
         port.reply(&reply).unwrap();
@@ -93,12 +92,8 @@ fn link_second(name: &str) {
             _ => continue,
         }
         for n in 0.. {
-            port.send_samples(&Samples::new(
-                n,
-                interface::Tick(n as i64),
-                RunState::Operate,
-            ))
-            .unwrap();
+            port.send_samples(&Samples::new(n, interface::Tick(n as i64), RunState::Operate))
+                .unwrap();
             let updates = port.await_updates(n).unwrap();
             if updates.mode_command() == ModeCommand::End {
                 let last = Samples::new(n + 1, interface::Tick(0), RunState::Ended);
@@ -113,11 +108,8 @@ fn link(c: &mut Criterion) {
     let session = Session::create(Side::Digital, None).unwrap();
     let second = Second::start("link", session.name());
     let mut port = ShmDigital::open(&session, Some(second.0.id()), &Patience::default()).unwrap();
-    let load = Request::Load {
-        bundle: PatchBundle::default(),
-        params: vec![],
-        profile: Profile::ideal(),
-    };
+    let load =
+        Request::Load { bundle: PatchBundle::default(), params: vec![], profile: Profile::ideal() };
     port.request(&load).unwrap();
     let spec = RunSpec {
         frame: interface::Tick(1_000_000),
@@ -178,9 +170,7 @@ fn bare_node(place: &str) -> iceoryx2::node::Node<ipc::Service> {
     let mut config = Config::default();
     let prefix = place.rsplit('/').next().unwrap();
     config.global.prefix = FileName::new(format!("bare{prefix}_").as_bytes()).unwrap();
-    config
-        .global
-        .set_root_path(&Path::new(place.as_bytes()).unwrap());
+    config.global.set_root_path(&Path::new(place.as_bytes()).unwrap());
     NodeBuilder::new()
         .config(&config)
         .signal_handling_mode(SignalHandlingMode::Disabled)

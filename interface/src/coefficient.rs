@@ -45,10 +45,7 @@ impl CoefficientUnit {
     /// Sets every coefficient exactly.
     #[must_use]
     pub fn ideal() -> CoefficientUnit {
-        CoefficientUnit {
-            bits: None,
-            range: None,
-        }
+        CoefficientUnit { bits: None, range: None }
     }
 
     /// Smallest change of the coefficient, unless the bits are off.
@@ -63,11 +60,7 @@ impl CoefficientUnit {
     pub fn set(&self, wanted: f64) -> Setting {
         let non_finite = !wanted.is_finite();
         let Some(range) = self.range else {
-            return Setting {
-                value: wanted,
-                saturated: false,
-                non_finite,
-            };
+            return Setting { value: wanted, saturated: false, non_finite };
         };
         let wanted = if wanted.is_nan() { 0.0 } else { wanted };
         let held = wanted.clamp(-range, range);
@@ -78,11 +71,7 @@ impl CoefficientUnit {
             }
             None => held,
         };
-        Setting {
-            value,
-            saturated: held != wanted,
-            non_finite,
-        }
+        Setting { value, saturated: held != wanted, non_finite }
     }
 }
 

@@ -71,10 +71,7 @@ fn is_ignored(signal: i32) -> bool {
 pub fn expect_files() -> Result<(), String> {
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     let enough = |limit: Option<u64>| limit.is_none_or(|n| n >= FILES);
-    let wanted = Rlimit {
-        current: maximum.map_or(Some(FILES), |m| Some(m.min(FILES))),
-        maximum,
-    };
+    let wanted = Rlimit { current: maximum.map_or(Some(FILES), |m| Some(m.min(FILES))), maximum };
     if enough(current) || (enough(maximum) && setrlimit(Resource::Nofile, wanted).is_ok()) {
         return Ok(());
     }

@@ -72,10 +72,7 @@ impl Converter {
     /// Passes every f64 unchanged.
     #[must_use]
     pub fn ideal() -> Converter {
-        Converter {
-            bits: None,
-            full_scale: None,
-        }
+        Converter { bits: None, full_scale: None }
     }
 
     /// Least significant bit in the units of the full scale, unless the bits are off.
@@ -98,12 +95,7 @@ impl Converter {
     pub fn convert(&self, input: f64) -> Conversion {
         let non_finite = !input.is_finite();
         let Some(scale) = self.full_scale else {
-            return Conversion {
-                code: None,
-                value: input,
-                saturated: false,
-                non_finite,
-            };
+            return Conversion { code: None, value: input, saturated: false, non_finite };
         };
         let input = if input.is_nan() { 0.0 } else { input };
         let Some(bits) = self.bits else {
@@ -172,15 +164,9 @@ mod tests {
         assert_eq!(limited.convert(1.234_567).value, 1.234_567);
         assert!(limited.convert(-3.0).saturated);
         assert_eq!(limited.convert(-3.0).value, -2.0);
-        assert_eq!(
-            Converter::new(Some(12), None),
-            Err(ConverterError::NoFullScale(12))
-        );
+        assert_eq!(Converter::new(Some(12), None), Err(ConverterError::NoFullScale(12)));
         for bits in [0, 1, 25, u32::MAX] {
-            assert_eq!(
-                Converter::new(Some(bits), Some(1.0)),
-                Err(ConverterError::Bits(bits))
-            );
+            assert_eq!(Converter::new(Some(bits), Some(1.0)), Err(ConverterError::Bits(bits)));
         }
         for scale in [0.0, -1.0, f64::INFINITY, f64::NAN] {
             assert!(Converter::new(None, Some(scale)).is_err());

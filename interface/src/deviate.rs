@@ -44,9 +44,7 @@ pub struct Normal {
 impl Normal {
     /// The sequence of `seed`.
     pub fn seeded(seed: u64) -> Normal {
-        Normal {
-            generator: Xoshiro256PlusPlus::seed_from_u64(seed),
-        }
+        Normal { generator: Xoshiro256PlusPlus::seed_from_u64(seed) }
     }
 
     /// The next deviate.
@@ -122,17 +120,11 @@ mod tests {
         // `StandardNormal` of rand_distr 0.6.0 over seed 1, whose tables carry 18 digits. The
         // edges here gather a rounding a layer: 256 · 2ε.
         let mut source = Normal::seeded(1);
-        for expected in [
-            0.843_998_613_622_176_1,
-            0.715_560_712_730_593_1,
-            -1.915_871_443_618_758_5,
-        ] {
+        for expected in [0.843_998_613_622_176_1, 0.715_560_712_730_593_1, -1.915_871_443_618_758_5]
+        {
             let found = source.draw();
             let expected: f64 = expected;
-            assert!(
-                (found / expected - 1.0).abs() < 512.0 * f64::EPSILON,
-                "{found} {expected}"
-            );
+            assert!((found / expected - 1.0).abs() < 512.0 * f64::EPSILON, "{found} {expected}");
         }
     }
 }

@@ -61,34 +61,19 @@ impl Hold {
     /// Holds `value` until the first transfer.
     #[must_use]
     pub fn new(kind: HoldKind, value: f64) -> Hold {
-        Hold {
-            kind,
-            last: None,
-            piece: Piece {
-                start: Tick::ZERO,
-                value,
-                slope: 0.0,
-                end: None,
-            },
-        }
+        Hold { kind, last: None, piece: Piece { start: Tick::ZERO, value, slope: 0.0, end: None } }
     }
 
     /// Transfers a value; gives the piece that holds from `at` on. A transfer that
     /// is not later than the last one replaces it and is held.
     pub fn transfer(&mut self, at: Tick, value: f64) -> Piece {
         let forerunner = self.last.filter(|(t, _)| *t < at);
-        let held = Piece {
-            start: at,
-            value,
-            slope: 0.0,
-            end: None,
-        };
+        let held = Piece { start: at, value, slope: 0.0, end: None };
         self.piece = match (self.kind, forerunner) {
             (HoldKind::ZeroOrder, _) | (_, None) => held,
-            (HoldKind::Extrapolating, Some((before, old))) => Piece {
-                slope: (value - old) / (at - before).secs(),
-                ..held
-            },
+            (HoldKind::Extrapolating, Some((before, old))) => {
+                Piece { slope: (value - old) / (at - before).secs(), ..held }
+            }
             (HoldKind::Interpolating, Some((before, _))) => {
                 let period = at - before;
                 let present = self.piece.at(at);
@@ -122,9 +107,7 @@ impl Settling {
     #[must_use]
     pub fn new(time_constant_s: f64) -> Settling {
         let on = time_constant_s.is_finite() && time_constant_s > 0.0;
-        Settling {
-            time_constant_s: if on { time_constant_s } else { 0.0 },
-        }
+        Settling { time_constant_s: if on { time_constant_s } else { 0.0 } }
     }
 
     /// The time constant, s; zero when off.

@@ -117,20 +117,13 @@ impl Protocol {
     /// A session whose two sides have not met: only a greeting has a place.
     #[must_use]
     pub fn new() -> Protocol {
-        Protocol {
-            phase: Phase::Greeting,
-            mode: Mode::PotSet,
-            frame: 0,
-        }
+        Protocol { phase: Phase::Greeting, mode: Mode::PotSet, frame: 0 }
     }
 
     /// A session between two ends of one build, which need no greeting.
     #[must_use]
     pub fn greeted() -> Protocol {
-        Protocol {
-            phase: Phase::Idle,
-            ..Protocol::new()
-        }
+        Protocol { phase: Phase::Idle, ..Protocol::new() }
     }
 
     /// The last frame that was begun.
@@ -175,10 +168,7 @@ impl Protocol {
     }
 
     fn out_of_order<T>(&self, message: &'static str) -> Result<T, ProtocolError> {
-        Err(ProtocolError::OutOfOrder {
-            message,
-            phase: self.phase_name(),
-        })
+        Err(ProtocolError::OutOfOrder { message, phase: self.phase_name() })
     }
 
     /// A request crosses.
@@ -187,21 +177,15 @@ impl Protocol {
     /// [`ProtocolError`] when it has no place now, or is a greeting of another build.
     pub fn request(&mut self, request: &Request) -> Result<(), ProtocolError> {
         match (&self.phase, request) {
-            (
-                Phase::Greeting | Phase::Idle,
-                Request::Hello {
-                    version,
-                    layout_hash,
-                },
-            ) => check_hello(*version, *layout_hash)?,
+            (Phase::Greeting | Phase::Idle, Request::Hello { version, layout_hash }) => {
+                check_hello(*version, *layout_hash)?
+            }
             (Phase::Idle, _) => {}
             _ => return self.out_of_order(request_name(request)),
         }
         self.phase = Phase::Answering(match request {
             Request::Hello { .. } => Pending::Hello,
-            Request::Load { bundle, .. } => Pending::Load {
-                hash: bundle.hash(),
-            },
+            Request::Load { bundle, .. } => Pending::Load { hash: bundle.hash() },
             Request::SetParams(_) | Request::SetIcs(_) | Request::Preset(_) => Pending::Set,
             Request::Read(nets) => Pending::Read(nets.len()),
             Request::StaticCheck => Pending::StaticCheck,
@@ -228,13 +212,7 @@ impl Protocol {
             return Ok(());
         }
         let next = match (pending, reply) {
-            (
-                Pending::Hello,
-                Reply::Hello {
-                    version,
-                    layout_hash,
-                },
-            ) => {
+            (Pending::Hello, Reply::Hello { version, layout_hash }) => {
                 check_hello(*version, *layout_hash)?;
                 Phase::Idle
             }
@@ -260,11 +238,7 @@ impl Protocol {
                     });
                 }
                 self.mode = Mode::Operate;
-                Phase::Operating(Run {
-                    clock: *clock,
-                    samples: None,
-                    updates: None,
-                })
+                Phase::Operating(Run { clock: *clock, samples: None, updates: None })
             }
             (Pending::Bye, Reply::Done) => Phase::Closed,
             (pending, reply) => {

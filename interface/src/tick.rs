@@ -47,10 +47,7 @@ impl Tick {
     /// `n` times this duration; `None` on overflow.
     #[must_use]
     pub fn checked_mul(self, n: u64) -> Option<Tick> {
-        i64::try_from(n)
-            .ok()
-            .and_then(|n| self.0.checked_mul(n))
-            .map(Tick)
+        i64::try_from(n).ok().and_then(|n| self.0.checked_mul(n)).map(Tick)
     }
 }
 
@@ -95,10 +92,7 @@ impl std::str::FromStr for Tick {
 
     /// Reads a decimal number with a unit `s`, `ms`, `us` (or `µs`), `ns`; exact, no rounding.
     fn from_str(text: &str) -> Result<Tick, TickParseError> {
-        let fail = |reason| TickParseError {
-            text: text.to_owned(),
-            reason,
-        };
+        let fail = |reason| TickParseError { text: text.to_owned(), reason };
         let trimmed = text.trim();
         let split = trimmed
             .find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-' || c == '+'))
@@ -128,11 +122,7 @@ impl std::str::FromStr for Tick {
             return Err(fail("it is finer than a nanosecond"));
         }
         let parse = |s: &str| {
-            if s.is_empty() {
-                Some(0)
-            } else {
-                s.parse::<i64>().ok()
-            }
+            if s.is_empty() { Some(0) } else { s.parse::<i64>().ok() }
         };
         let scale = 10_i64.pow(digits);
         let fraction_scale = 10_i64.pow(digits - fraction.len() as u32);
@@ -161,17 +151,7 @@ mod tests {
         ] {
             assert_eq!(text.parse::<Tick>().unwrap(), Tick(ns), "{text}");
         }
-        for text in [
-            "",
-            "1",
-            "s",
-            "1h",
-            "0.5ns",
-            "1.2.3s",
-            "9999999999999s",
-            "--1s",
-            "1e3s",
-        ] {
+        for text in ["", "1", "s", "1h", "0.5ns", "1.2.3s", "9999999999999s", "--1s", "1e3s"] {
             assert!(text.parse::<Tick>().is_err(), "{text}");
         }
     }

@@ -46,10 +46,7 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// As [`read`], and [`ErrorKind::InvalidData`] for what is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read(path, LONGEST_TEXT)?).map_err(|error| {
-        let text = format!(
-            "it is not UTF-8 text at byte {}",
-            error.utf8_error().valid_up_to()
-        );
+        let text = format!("it is not UTF-8 text at byte {}", error.utf8_error().valid_up_to());
         Error::new(ErrorKind::InvalidData, text)
     })
 }
@@ -69,9 +66,7 @@ mod tests {
         assert_eq!(kind(&at("none"), 9), ErrorKind::NotFound);
         assert_eq!(kind(folder.path(), 9), ErrorKind::InvalidInput);
         assert_eq!(kind(Path::new("/dev/zero"), 9), ErrorKind::InvalidInput);
-        let pipe = std::process::Command::new("mkfifo")
-            .arg(at("pipe"))
-            .status();
+        let pipe = std::process::Command::new("mkfifo").arg(at("pipe")).status();
         assert!(pipe.unwrap().success());
         assert_eq!(kind(&at("pipe"), 9), ErrorKind::InvalidInput);
         // Ten gigabytes of nothing.

@@ -34,23 +34,16 @@ pub const ANALOG: &str = env!("CARGO_BIN_EXE_analog-proc");
 impl BenchTop {
     pub fn new() -> BenchTop {
         // A test that failed leaves nothing here that others could trip over.
-        BenchTop::with(Share::Beside(
-            MACHINE.read().unwrap_or_else(PoisonError::into_inner),
-        ))
+        BenchTop::with(Share::Beside(MACHINE.read().unwrap_or_else(PoisonError::into_inner)))
     }
 
     /// With no other test's processes beside it, for promises about time.
     pub fn alone() -> BenchTop {
-        BenchTop::with(Share::Alone(
-            MACHINE.write().unwrap_or_else(PoisonError::into_inner),
-        ))
+        BenchTop::with(Share::Alone(MACHINE.write().unwrap_or_else(PoisonError::into_inner)))
     }
 
     fn with(share: Share) -> BenchTop {
-        BenchTop {
-            dir: tempfile::tempdir().unwrap(),
-            _machine: share,
-        }
+        BenchTop { dir: tempfile::tempdir().unwrap(), _machine: share }
     }
 
     /// Where sessions of this test live.
@@ -84,20 +77,16 @@ impl BenchTop {
 
     /// Run directories in the order of their names.
     pub fn run_directories(&self) -> Vec<PathBuf> {
-        let mut found: Vec<PathBuf> = std::fs::read_dir(self.runs()).map_or_else(
-            |_| Vec::new(),
-            |dir| dir.map(|e| e.unwrap().path()).collect(),
-        );
+        let mut found: Vec<PathBuf> = std::fs::read_dir(self.runs())
+            .map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
         found.sort();
         found
     }
 
     /// Fails when a session directory or shared memory of this base is left.
     pub fn assert_clean(&self) {
-        let left: Vec<PathBuf> = std::fs::read_dir(self.base()).map_or_else(
-            |_| Vec::new(),
-            |dir| dir.map(|e| e.unwrap().path()).collect(),
-        );
+        let left: Vec<PathBuf> = std::fs::read_dir(self.base())
+            .map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
         assert!(left.is_empty(), "left in the base directory: {left:?}");
     }
 }
@@ -122,10 +111,7 @@ pub fn wait_within(mut child: Child, limit: Duration) -> (Output, Duration) {
         if started.elapsed() > limit {
             child.kill().unwrap();
             let output = child.wait_with_output().unwrap();
-            panic!(
-                "still running after {limit:?}: {}",
-                String::from_utf8_lossy(&output.stderr)
-            );
+            panic!("still running after {limit:?}: {}", String::from_utf8_lossy(&output.stderr));
         }
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -137,9 +123,7 @@ pub fn wait_within(mut child: Child, limit: Duration) -> (Output, Duration) {
 pub fn children(pid: u32) -> Vec<u32> {
     let text =
         std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).unwrap_or_default();
-    text.split_whitespace()
-        .map(|p| p.parse().unwrap())
-        .collect()
+    text.split_whitespace().map(|p| p.parse().unwrap()).collect()
 }
 
 /// The first word of a process' command line.
@@ -151,12 +135,7 @@ pub fn argv0(pid: u32) -> String {
 /// Whether a process runs (a zombie does not).
 pub fn runs(pid: u32) -> bool {
     std::fs::read_to_string(format!("/proc/{pid}/stat")).is_ok_and(|stat| {
-        !stat
-            .rsplit(')')
-            .next()
-            .unwrap_or_default()
-            .trim_start()
-            .starts_with('Z')
+        !stat.rsplit(')').next().unwrap_or_default().trim_start().starts_with('Z')
     })
 }
 
@@ -167,10 +146,7 @@ pub fn until<T>(what: &str, limit: Duration, mut ready: impl FnMut() -> Option<T
         if let Some(found) = ready() {
             return found;
         }
-        assert!(
-            started.elapsed() < limit,
-            "{what} did not come within {limit:?}"
-        );
+        assert!(started.elapsed() < limit, "{what} did not come within {limit:?}");
         std::thread::sleep(Duration::from_micros(300));
     }
 }
@@ -178,9 +154,7 @@ pub fn until<T>(what: &str, limit: Duration, mut ready: impl FnMut() -> Option<T
 /// The partner that a digital-proc has started.
 pub fn partner_of(child: &Child) -> u32 {
     until("the analog side", Duration::from_secs(5), || {
-        children(child.id())
-            .into_iter()
-            .find(|p| argv0(*p) == "analog-proc")
+        children(child.id()).into_iter().find(|p| argv0(*p) == "analog-proc")
     })
 }
 
@@ -189,9 +163,7 @@ pub fn trace_rows(directory: &Path) -> usize {
     digital_proc::run_dir::RunDirectory::open(directory)
         .map(|d| d.read_trace().unwrap().rows())
         .unwrap_or_else(|_| {
-            digital_proc::run_dir::Trace::read(&directory.join("trace.arrow"))
-                .unwrap()
-                .rows()
+            digital_proc::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
         })
 }
 

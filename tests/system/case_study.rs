@@ -29,12 +29,9 @@ use std::path::Path;
 
 /// Runs a plan on both sides of a memory link.
 fn answers(plan: &Plan, patches: &Patches) -> Answers {
-    let mut started = Started::new(
-        &LinkChoice::Memory,
-        AnalogEntry { serve },
-        std::sync::Arc::default(),
-    )
-    .unwrap();
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
     let mut console = Console::new(started.port());
     let answers = machine::run(&mut console, plan, patches, &Profile::ideal(), |_| {}).unwrap();
     console.bye().unwrap();
@@ -44,9 +41,7 @@ fn answers(plan: &Plan, patches: &Patches) -> Answers {
 /// The shipped study with only some conditions, to save time.
 fn plan(conditions: &[&str]) -> Plan {
     let mut study = Study::shipped().unwrap();
-    study
-        .conditions
-        .retain(|c| conditions.contains(&c.name.as_str()));
+    study.conditions.retain(|c| conditions.contains(&c.name.as_str()));
     Plan::new(&study, &Vehicle::shipped().unwrap()).unwrap()
 }
 
@@ -56,11 +51,7 @@ fn judged(plan: &Plan, patches: &Patches) -> Vec<Claim> {
 }
 
 fn failing(claims: &[Claim]) -> Vec<&'static str> {
-    claims
-        .iter()
-        .filter(|c| c.verdict == Verdict::Fails)
-        .map(|c| c.id)
-        .collect()
+    claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id).collect()
 }
 
 #[test]
@@ -78,11 +69,7 @@ fn worst<const N: usize>(a: &Response<N>, b: &Response<N>, channel: usize) -> f6
     let pairs = || a.channel(channel).iter().zip(b.channel(channel));
     let scale = pairs().fold(0.0_f64, |s, (x, y)| s.max(x.abs()).max(y.abs()));
     let difference = pairs().fold(0.0_f64, |d, (x, y)| d.max((x - y).abs()));
-    if difference == 0.0 {
-        0.0
-    } else {
-        difference / scale
-    }
+    if difference == 0.0 { 0.0 } else { difference / scale }
 }
 
 #[test]
@@ -120,11 +107,8 @@ fn the_machine_follows_the_second_formulation_run_by_run() {
 fn rewired(changes: &[(&str, &str)]) -> Patches {
     let mut patches = Patches::shipped();
     for bundle in [&mut patches.pitch, &mut patches.yaw_roll] {
-        let plane = bundle
-            .files
-            .iter_mut()
-            .find(|(name, _)| name == "sub/stage-plane.toml")
-            .unwrap();
+        let plane =
+            bundle.files.iter_mut().find(|(name, _)| name == "sub/stage-plane.toml").unwrap();
         for (from, to) in changes {
             assert_eq!(plane.1.matches(from).count(), 1, "{from}");
             plane.1 = plane.1.replace(from, to);
@@ -136,10 +120,7 @@ fn rewired(changes: &[(&str, &str)]) -> Patches {
 #[test]
 fn a_flipped_sign_of_the_damping_makes_the_matching_claims_fail() {
     let normal = plan(&[NORMAL]);
-    let rate = rewired(&[
-        ("\"-tvc_lead\"", "\"tvc_lead\""),
-        ("\"-fin_lead\"", "\"fin_lead\""),
-    ]);
+    let rate = rewired(&[("\"-tvc_lead\"", "\"tvc_lead\""), ("\"-fin_lead\"", "\"fin_lead\"")]);
     assert!(failing(&judged(&normal, &rate)).contains(&"P1"));
     let structure = rewired(&[("\"-eta_drag\"", "\"eta_drag\"")]);
     assert!(failing(&judged(&normal, &structure)).contains(&"P5"));
@@ -178,11 +159,7 @@ fn a_run_that_the_machine_stops_does_not_end_the_session() {
     assert!(spoilt.pitch[1].len() < sound.pitch[1].len());
     assert!(matches!(
         spoilt.remarks.as_slice(),
-        [machine::Remark {
-            run: 1,
-            what: Occurrence::Stopped { .. },
-            ..
-        }]
+        [machine::Remark { run: 1, what: Occurrence::Stopped { .. }, .. }]
     ));
 }
 
@@ -210,13 +187,7 @@ fn the_whole_case_study_holds_and_both_links_give_its_golden_numbers() {
     let directory = &bench.run_directories()[0];
     let first = numbers(directory);
     run("memory");
-    let second = numbers(
-        bench
-            .run_directories()
-            .iter()
-            .find(|d| *d != directory)
-            .unwrap(),
-    );
+    let second = numbers(bench.run_directories().iter().find(|d| *d != directory).unwrap());
     assert!(first == second, "the memory link differs");
     let summary: serde_json::Value = serde_json::from_slice(&first[0]).unwrap();
     let parts = ["claims", "long_period", "short_period"];
@@ -226,14 +197,7 @@ fn the_whole_case_study_holds_and_both_links_give_its_golden_numbers() {
     for outside in ["<script", "src=", "href=\"http", "url("] {
         assert!(!report.contains(outside), "{outside}");
     }
-    for anchor in [
-        "figure-4",
-        "figure-5",
-        "q-alpha",
-        "figure-7",
-        "figure-8",
-        "matrix-residual",
-    ] {
+    for anchor in ["figure-4", "figure-5", "q-alpha", "figure-7", "figure-8", "matrix-residual"] {
         assert!(report.contains(&format!("id=\"{anchor}\"")), "{anchor}");
     }
     bench.assert_clean();
@@ -276,18 +240,12 @@ fn a_users_own_study_failures_and_vehicle_run_through() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("P2"), "{said}");
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(
-        summary["short_period"]["pitch"][0]["run"],
-        "mach-two.weak-motor"
-    );
+    assert_eq!(summary["short_period"]["pitch"][0]["run"], "mach-two.weak-motor");
     assert_eq!(summary["long_period"]["modes"][1]["mode"], "late-roll");
     bench.assert_clean();
 
     let mut alone = bench.command(DIGITAL, &["short-period", "yaw-roll", "--decoupled"]);
-    alone
-        .arg("--study")
-        .arg(&study)
-        .args(["--condition", "weak-motor"]);
+    alone.arg("--study").arg(&study).args(["--condition", "weak-motor"]);
     alone.arg("--out").arg(bench.runs().join("out"));
     expect(&mut alone, 0);
 }
@@ -303,28 +261,16 @@ fn mistakes_are_told_with_file_line_and_the_nearest_name() {
     let place = format!("bad.toml:{line}:");
     let bad = bad.to_str().unwrap();
     for (args, words) in [
-        (
-            vec!["case-study", "--study", bad],
-            [place.as_str(), "did you mean `max-q`?"],
-        ),
-        (
-            vec!["short-period", "pitch", "--study", bad],
-            [place.as_str(), "max-q"],
-        ),
+        (vec!["case-study", "--study", bad], [place.as_str(), "did you mean `max-q`?"]),
+        (vec!["short-period", "pitch", "--study", bad], [place.as_str(), "max-q"]),
         (vec!["case-study", "--failures", bad], ["bad.toml:", "mode"]),
         (vec!["case-study", "--vehicle", bad], ["bad.toml", ""]),
-        (
-            vec!["short-period", "pitch", "--point", "max-Q"],
-            ["no point `max-Q`", "`max-q`"],
-        ),
+        (vec!["short-period", "pitch", "--point", "max-Q"], ["no point `max-Q`", "`max-q`"]),
         (
             vec!["short-period", "yaw-roll", "--condition", "tvc-slo"],
             ["no condition `tvc-slo`", "`tvc-slow`"],
         ),
-        (
-            vec!["short-period", "yaw-roll", "--point", "vertical-rise"],
-            ["no run", "fin tips"],
-        ),
+        (vec!["short-period", "yaw-roll", "--point", "vertical-rise"], ["no run", "fin tips"]),
     ] {
         let output = expect(&mut bench.command(DIGITAL, &args), 2);
         let said = String::from_utf8_lossy(&output.stderr);

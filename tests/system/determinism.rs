@@ -6,11 +6,7 @@ use std::process::Command;
 fn trace_of(command: &mut Command, bench: &BenchTop) -> Vec<u8> {
     let before = bench.run_directories();
     expect(command, 0);
-    let new = bench
-        .run_directories()
-        .into_iter()
-        .find(|d| !before.contains(d))
-        .unwrap();
+    let new = bench.run_directories().into_iter().find(|d| !before.contains(d)).unwrap();
     std::fs::read(new.join("trace.arrow")).unwrap()
 }
 
@@ -26,14 +22,8 @@ fn pinned(bench: &BenchTop, args: &[&str]) -> Command {
 fn memory_and_shared_memory_one_core_and_two_fly_alike() {
     let bench = BenchTop::new();
     let shm = trace_of(&mut bench.fly(&[]), &bench);
-    assert!(
-        shm == trace_of(&mut bench.fly(&["--link", "memory"]), &bench),
-        "memory link differs"
-    );
-    assert!(
-        shm == trace_of(&mut pinned(&bench, &[]), &bench),
-        "one core differs"
-    );
+    assert!(shm == trace_of(&mut bench.fly(&["--link", "memory"]), &bench), "memory link differs");
+    assert!(shm == trace_of(&mut pinned(&bench, &[]), &bench), "one core differs");
     bench.assert_clean();
 }
 

@@ -36,10 +36,7 @@ fn full() -> std::process::Stdio {
 fn every_ending_signal_ends_a_flight_and_an_idle_session() {
     for ending in SIGNALS {
         let bench = BenchTop::alone();
-        let flight = bench
-            .fly(&["--frame", "200us", "--fast", "1"])
-            .spawn()
-            .unwrap();
+        let flight = bench.fly(&["--frame", "200us", "--fast", "1"]).spawn().unwrap();
         let analog = partner_of(&flight);
         std::thread::sleep(Duration::from_millis(200));
         signal(flight.id(), ending);
@@ -69,10 +66,7 @@ fn a_run_that_integrates_heeds_signals_and_keeps_its_rows() {
     for ending in SIGNALS {
         let out = bench.runs().join("rows.csv");
         let run = bench
-            .command(
-                ANALOG,
-                &["run", "--until", "1ms", "--every", "1ns", "--out"],
-            )
+            .command(ANALOG, &["run", "--until", "1ms", "--every", "1ns", "--out"])
             .args([&out, &patch])
             .spawn()
             .unwrap();
@@ -81,10 +75,7 @@ fn a_run_that_integrates_heeds_signals_and_keeps_its_rows() {
         let (output, took) = wait_within(run, Duration::from_secs(10));
         let text = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), INTERRUPTED, "{ending:?}: {text}");
-        assert!(
-            text.contains("interrupted") && text.contains(" s"),
-            "{text}"
-        );
+        assert!(text.contains("interrupted") && text.contains(" s"), "{text}");
         assert!(took < NOTICE, "{ending:?}: {took:?}");
         let rows = std::fs::read_to_string(&out).unwrap();
         assert!(rows.lines().count() > 10 && rows.ends_with('\n'));
@@ -95,11 +86,8 @@ fn a_run_that_integrates_heeds_signals_and_keeps_its_rows() {
 fn a_full_standard_output_is_told_and_no_panic() {
     let bench = BenchTop::new();
     let patch = concat!(env!("CARGO_MANIFEST_DIR"), "/patch-files/lorenz.toml");
-    let analog: [&[&str]; 3] = [
-        &["check", patch],
-        &["draw", patch, "--out", "-"],
-        &["run", patch, "--until", "1s"],
-    ];
+    let analog: [&[&str]; 3] =
+        [&["check", patch], &["draw", patch, "--out", "-"], &["run", patch, "--until", "1s"]];
     let out = bench.runs().display().to_string();
     let flown = format!("{out}/flown");
     let digital: [&[&str]; 5] = [
@@ -118,11 +106,7 @@ fn a_full_standard_output_is_told_and_no_panic() {
         assert!(text.contains("No space left"), "{args:?}: {text}");
         assert!(!text.contains("panicked"), "{args:?}: {text}");
         // Nor where there is nobody to be told.
-        let status = bench
-            .command(binary, args)
-            .stdout(full())
-            .stderr(full())
-            .status();
+        let status = bench.command(binary, args).stdout(full()).stderr(full()).status();
         assert_eq!(status.unwrap().code(), OUTPUT_FAILED, "{args:?}");
     }
     bench.assert_clean();

@@ -50,10 +50,7 @@ fn chapters(text: &str) -> Vec<Chapter> {
         }
         if fence.is_none() {
             if let Some(heading) = line.strip_prefix("## ") {
-                chapters.push(Chapter {
-                    heading: heading.to_owned(),
-                    steps: Vec::new(),
-                });
+                chapters.push(Chapter { heading: heading.to_owned(), steps: Vec::new() });
             }
             continue;
         }
@@ -64,9 +61,7 @@ fn chapters(text: &str) -> Vec<Chapter> {
             Some("sh") => chapter.steps.push(step(line)),
             Some("text") => {
                 let step = chapter.steps.last_mut();
-                step.expect("a text block follows a command")
-                    .shows
-                    .push(line.to_owned());
+                step.expect("a text block follows a command").shows.push(line.to_owned());
             }
             _ => {}
         }
@@ -80,18 +75,14 @@ fn step(line: &str) -> Step {
         None => (line, 0),
     };
     Step {
-        command: command
-            .trim()
-            .replace("cargo run --release -- ", "digital-proc "),
+        command: command.trim().replace("cargo run --release -- ", "digital-proc "),
         code,
         shows: Vec::new(),
     }
 }
 
 fn words(line: &str) -> Vec<&str> {
-    line.split([' ', ',', ':', '(', ')'])
-        .filter(|w| !w.is_empty())
-        .collect()
+    line.split([' ', ',', ':', '(', ')']).filter(|w| !w.is_empty()).collect()
 }
 
 /// Whether `found` is `shown`, or rounds to it at the digits shown.
@@ -169,12 +160,7 @@ fn run_chapter(heading: &str) {
             .unwrap();
         let (output, _) = wait_within(child, PATIENCE);
         let said = std::fs::read_to_string(desk.join(".said")).unwrap();
-        assert_eq!(
-            output.status.code(),
-            Some(step.code),
-            "{heading}: {}\n{said}",
-            step.command
-        );
+        assert_eq!(output.status.code(), Some(step.code), "{heading}: {}\n{said}", step.command);
         if let Err(why) = shows(&said, &step.shows) {
             panic!("{heading}: {}: {why}\n{said}", step.command);
         }
@@ -275,10 +261,8 @@ fn every_example_of_a_kind_compiles() {
                 p = { kind = \"control\", line = 1 }\n\
                 q = { kind = \"control\", line = 2 }\n";
     let patch = format!("[blocks]\n{nets}{}\n", examples.join("\n"));
-    let bundle = PatchBundle {
-        root: "examples.toml".into(),
-        files: vec![("examples.toml".into(), patch)],
-    };
+    let bundle =
+        PatchBundle { root: "examples.toml".into(), files: vec![("examples.toml".into(), patch)] };
     let compiled = analog_proc::patch::compile(&bundle, &[]);
     let ordered = compiled.unwrap_or_else(|faults| panic!("{}", faults.render()));
     analog_proc::simulation::Simulation::new(&ordered).unwrap();
@@ -299,11 +283,8 @@ fn a_number_agrees_to_the_digits_shown() {
 fn commands_are_found_with_their_exit_codes() {
     let text = "## A\n```sh\ncargo run --release -- fly\nanalog-proc x  # exits with 2\n```\n```text\nout 1\n```\n## B\n```toml\nx\n```\n";
     let all = chapters(text);
-    let commands: Vec<(&str, i32)> = all[0]
-        .steps
-        .iter()
-        .map(|s| (s.command.as_str(), s.code))
-        .collect();
+    let commands: Vec<(&str, i32)> =
+        all[0].steps.iter().map(|s| (s.command.as_str(), s.code)).collect();
     assert_eq!(commands, [("digital-proc fly", 0), ("analog-proc x", 2)]);
     assert_eq!(all[0].steps[1].shows, ["out 1"]);
     assert!(all[1].steps.is_empty());

@@ -20,10 +20,7 @@ fn a_killed_analog_side_is_named_and_the_trace_is_kept() {
         let (output, took) = wait_within(child, Duration::from_secs(10));
         let text = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(3), "{text}");
-        assert!(
-            text.contains("analog-proc") && text.contains("frame"),
-            "{text}"
-        );
+        assert!(text.contains("analog-proc") && text.contains("frame"), "{text}");
         assert!(took < NOTICE, "noticed only after {took:?}");
         if let Some(directory) = bench.run_directories().first() {
             // Readable up to its last complete batch, however many that are.
@@ -42,9 +39,7 @@ fn a_killed_digital_side_ends_the_analog_one() {
         std::thread::sleep(Duration::from_millis(after_ms));
         child.kill().unwrap();
         child.wait().unwrap();
-        until("the end of analog-proc", NOTICE, || {
-            (!runs(analog)).then_some(())
-        });
+        until("the end of analog-proc", NOTICE, || (!runs(analog)).then_some(()));
         if after_ms == 400 {
             assert!(trace_rows(&bench.run_directories()[0]) > 0);
         }
@@ -75,9 +70,7 @@ fn either_side_may_die_during_start_up() {
             std::thread::sleep(delay);
             child.kill().unwrap();
             child.wait().unwrap();
-            until("the end of analog-proc", NOTICE, || {
-                (!runs(analog)).then_some(())
-            });
+            until("the end of analog-proc", NOTICE, || (!runs(analog)).then_some(()));
         }
         // What both may have left, the next session of this base removes.
         digital_proc_sweeps(&bench);
@@ -88,11 +81,7 @@ fn either_side_may_die_during_start_up() {
 /// A following session removes what dead ones left.
 fn digital_proc_sweeps(bench: &BenchTop) {
     let output = bench.fly(&["--until", "100ms"]).output().unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]
@@ -123,9 +112,7 @@ fn a_stopped_side_is_given_up_within_two_seconds() {
             signal(analog, Signal::STOP);
         } else {
             signal(digital, Signal::STOP);
-            until("the end of analog-proc", 2 * NOTICE, || {
-                (!runs(analog)).then_some(())
-            });
+            until("the end of analog-proc", 2 * NOTICE, || (!runs(analog)).then_some(()));
             signal(digital, Signal::CONT);
         }
         let (output, took) = wait_within(child, Duration::from_secs(10));

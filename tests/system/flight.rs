@@ -20,11 +20,7 @@ fn the_normal_flight_comes_out_as_designed() {
         ("burn_out_flight_path_angle_deg", 67.0, 0.5),
         ("burn_out_altitude_m", 23.6e3, 0.1e3),
     ] {
-        assert!(
-            (at(path) - figure).abs() < within,
-            "{path}: {} against {figure}",
-            at(path)
-        );
+        assert!((at(path) - figure).abs() < within, "{path}: {} against {figure}", at(path));
     }
     let directory = &bench.run_directories()[0];
     for file in ["run.toml", "trace.arrow", "summary.json", "report.html"] {
@@ -37,19 +33,12 @@ fn the_normal_flight_comes_out_as_designed() {
 fn two_processes_fly_and_none_is_left() {
     let bench = BenchTop::new();
     // Millisecond frames make the flight last long enough to be looked at.
-    let child = bench
-        .fly(&["--frame", "1ms", "--fast", "1"])
-        .spawn()
-        .unwrap();
+    let child = bench.fly(&["--frame", "1ms", "--fast", "1"]).spawn().unwrap();
     let analog = partner_of(&child);
     assert_eq!(argv0(analog), "analog-proc");
     assert_eq!(children(child.id()), [analog]);
     let (output, _) = wait_within(child, Duration::from_secs(60));
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(!crate::bench_top::runs(analog));
     bench.assert_clean();
 }

@@ -31,29 +31,16 @@ level = { kind = "sense", line = 1, in = ["half"] }
 const T: Tick = Tick(100_000_000);
 
 fn spec(latency: Tick, skew: Tick, stop: Tick) -> RunSpec {
-    RunSpec {
-        frame: T,
-        latency,
-        skew,
-        stop,
-        from_ic: true,
-        clock: Clock::LockStep,
-    }
+    RunSpec { frame: T, latency, skew, stop, from_ic: true, clock: Clock::LockStep }
 }
 
 /// Runs the patch with d = n + 1 in frame n; returns all samples.
 fn run(spec: &RunSpec, profile: Profile, mode: impl Fn(u64) -> ModeCommand) -> Vec<Samples> {
-    let mut started = Started::new(
-        &LinkChoice::Memory,
-        AnalogEntry { serve },
-        std::sync::Arc::default(),
-    )
-    .unwrap();
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
     let mut console = Console::new(started.port());
-    let bundle = PatchBundle {
-        root: "p".into(),
-        files: vec![("p".into(), PATCH.into())],
-    };
+    let bundle = PatchBundle { root: "p".into(), files: vec![("p".into(), PATCH.into())] };
     console.load(bundle, Vec::new(), profile).unwrap();
     let channel = console.channel(ChannelKind::Dac, "d").unwrap();
     let mut all = Vec::new();
@@ -71,20 +58,16 @@ fn run(spec: &RunSpec, profile: Profile, mode: impl Fn(u64) -> ModeCommand) -> V
 
 /// x(t) when the transfer of frame n is at t_n + τ.
 fn expected(t_s: f64, latency_s: f64) -> f64 {
-    (0..100)
-        .map(|n| (t_s - (f64::from(n) * 0.1 + latency_s)).max(0.0))
-        .sum()
+    (0..100).map(|n| (t_s - (f64::from(n) * 0.1 + latency_s)).max(0.0)).sum()
 }
 
 #[test]
 fn transfers_take_effect_at_the_latency_and_after_the_sample() {
     for latency in [Tick(0), Tick(1), Tick(30_000_000), Tick(99_999_999), T] {
         // The stop is no multiple of the frame.
-        let samples = run(
-            &spec(latency, Tick(0), Tick(1_050_000_000)),
-            Profile::ideal(),
-            |_| ModeCommand::Continue,
-        );
+        let samples = run(&spec(latency, Tick(0), Tick(1_050_000_000)), Profile::ideal(), |_| {
+            ModeCommand::Continue
+        });
         assert_eq!(samples.len(), 12);
         assert_eq!(samples[11].tick, Tick(1_050_000_000));
         for s in &samples {
@@ -103,35 +86,26 @@ fn transfers_take_effect_at_the_latency_and_after_the_sample() {
 #[test]
 fn skewed_channels_are_held_one_after_another() {
     let skew = Tick(10_000_000);
-    for s in run(&spec(T, skew, Tick(500_000_000)), Profile::ideal(), |_| {
-        ModeCommand::Continue
-    })
-    .iter()
-    .take(5)
+    for s in run(&spec(T, skew, Tick(500_000_000)), Profile::ideal(), |_| ModeCommand::Continue)
+        .iter()
+        .take(5)
     {
         for (channel, delay) in [(1, 1), (2, 2)] {
             let wanted = (s.tick + skew * delay).secs();
-            assert!(
-                (s.adc[channel] - wanted).abs() < 1e-15,
-                "channel {channel} at {}",
-                s.tick
-            );
+            assert!((s.adc[channel] - wanted).abs() < 1e-15, "channel {channel} at {}", s.tick);
         }
     }
 }
 
 #[test]
 fn hold_stops_problem_time_and_end_ends_the_run() {
-    let samples = run(
-        &spec(Tick(0), Tick(0), Tick(10_000_000_000)),
-        Profile::ideal(),
-        |n| match n {
+    let samples =
+        run(&spec(Tick(0), Tick(0), Tick(10_000_000_000)), Profile::ideal(), |n| match n {
             3 => ModeCommand::Hold,
             6 => ModeCommand::Operate,
             9 => ModeCommand::End,
             _ => ModeCommand::Continue,
-        },
-    );
+        });
     let times: Vec<f64> = samples.iter().map(|s| s.adc[1]).collect();
     let wanted = [0.0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.3, 0.4, 0.5, 0.6];
     for (got, wanted) in times.iter().zip(wanted) {
@@ -143,18 +117,13 @@ fn hold_stops_problem_time_and_end_ends_the_run() {
 
 #[test]
 fn edges_carry_their_located_times_and_sense_lines_their_level() {
-    let samples = run(
-        &spec(Tick(0), Tick(0), Tick(500_000_000)),
-        Profile::ideal(),
-        |_| ModeCommand::Continue,
-    );
+    let samples = run(&spec(Tick(0), Tick(0), Tick(500_000_000)), Profile::ideal(), |_| {
+        ModeCommand::Continue
+    });
     let edges: Vec<_> = samples.iter().flat_map(Samples::edges).collect();
     // x = 0.1 at 0.1 s, then slope 2 to 0.3 at 0.2 s: 0.25 is crossed at 0.175 s.
     assert_eq!(edges.len(), 1);
-    assert_eq!(
-        (edges[0].tick, edges[0].line, edges[0].rising),
-        (Tick(175_000_000), 3, 1)
-    );
+    assert_eq!((edges[0].tick, edges[0].line, edges[0].rising), (Tick(175_000_000), 3, 1));
     let levels: Vec<u64> = samples.iter().map(|s| s.sense).collect();
     assert_eq!(levels, [0, 0, 2, 2, 2, 2]);
 }
@@ -162,16 +131,11 @@ fn edges_carry_their_located_times_and_sense_lines_their_level() {
 #[test]
 fn transfers_are_told_with_their_instants() {
     let latency = Tick(30_000_000);
-    let samples = run(
-        &spec(latency, Tick(0), Tick(400_000_000)),
-        Profile::ideal(),
-        |_| ModeCommand::Continue,
-    );
-    let told: Vec<(u64, Tick)> = samples
-        .iter()
-        .flat_map(Samples::transfers)
-        .map(|t| (t.frame, t.tick))
-        .collect();
+    let samples = run(&spec(latency, Tick(0), Tick(400_000_000)), Profile::ideal(), |_| {
+        ModeCommand::Continue
+    });
+    let told: Vec<(u64, Tick)> =
+        samples.iter().flat_map(Samples::transfers).map(|t| (t.frame, t.tick)).collect();
     let wanted: Vec<(u64, Tick)> = (0..4).map(|n| (n, T * n as i64 + latency)).collect();
     assert_eq!(told, wanted);
 }
@@ -182,21 +146,12 @@ fn holds_reconstruct_a_ramp() {
         hold::HoldKind,
         profile::{Provenance, Sourced},
     };
-    for (kind, lag_frames) in [
-        (HoldKind::Extrapolating, 0.0),
-        (HoldKind::Interpolating, 1.0),
-    ] {
+    for (kind, lag_frames) in [(HoldKind::Extrapolating, 0.0), (HoldKind::Interpolating, 1.0)] {
         let mut profile = Profile::ideal();
-        profile.dac.hold = Some(Sourced {
-            value: kind,
-            status: Provenance::Assumed,
-            source: "test".into(),
-        });
-        let samples = run(
-            &spec(Tick(0), Tick(0), Tick(2_000_000_000)),
-            profile,
-            |_| ModeCommand::Continue,
-        );
+        profile.dac.hold =
+            Some(Sourced { value: kind, status: Provenance::Assumed, source: "test".into() });
+        let samples =
+            run(&spec(Tick(0), Tick(0), Tick(2_000_000_000)), profile, |_| ModeCommand::Continue);
         // d(t) is the ramp 10 t + 1, late by `lag_frames` frames, so x grows over a
         // frame by its integral; the first frames have no forerunner.
         for pair in samples.windows(2).skip(4) {
@@ -204,22 +159,16 @@ fn holds_reconstruct_a_ramp() {
             let ramp = |t: f64| 5.0 * t * t + (1.0 - lag_frames) * t;
             let wanted = ramp(b) - ramp(a);
             let grown = pair[1].adc[0] - pair[0].adc[0];
-            assert!(
-                (grown - wanted).abs() < 1e-12,
-                "{kind:?} at {a}: {grown} {wanted}"
-            );
+            assert!((grown - wanted).abs() < 1e-12, "{kind:?} at {a}: {grown} {wanted}");
         }
     }
 }
 
 #[test]
 fn impossible_runs_are_refused_with_a_reason() {
-    let mut started = Started::new(
-        &LinkChoice::Memory,
-        AnalogEntry { serve },
-        std::sync::Arc::default(),
-    )
-    .unwrap();
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
     let mut console = Console::new(started.port());
     let nothing = |_: &Samples, _: &mut Updates| Ok::<(), ConsoleFault>(());
     let refusal = |console: &mut Console<'_>, spec: &RunSpec| match console.operate(spec, nothing) {
@@ -228,40 +177,13 @@ fn impossible_runs_are_refused_with_a_reason() {
     };
     let fine = spec(Tick(0), Tick(0), T);
     assert!(refusal(&mut console, &fine).contains("load"));
-    let bundle = PatchBundle {
-        root: "p".into(),
-        files: vec![("p".into(), PATCH.into())],
-    };
+    let bundle = PatchBundle { root: "p".into(), files: vec![("p".into(), PATCH.into())] };
     console.load(bundle, Vec::new(), Profile::ideal()).unwrap();
     for (bad, word) in [
-        (
-            RunSpec {
-                frame: Tick(0),
-                ..fine.clone()
-            },
-            "frame",
-        ),
-        (
-            RunSpec {
-                latency: T + Tick(1),
-                ..fine.clone()
-            },
-            "latency",
-        ),
-        (
-            RunSpec {
-                skew: Tick(1),
-                ..fine.clone()
-            },
-            "scan",
-        ),
-        (
-            RunSpec {
-                stop: Tick(-1),
-                ..fine.clone()
-            },
-            "stop",
-        ),
+        (RunSpec { frame: Tick(0), ..fine.clone() }, "frame"),
+        (RunSpec { latency: T + Tick(1), ..fine.clone() }, "latency"),
+        (RunSpec { skew: Tick(1), ..fine.clone() }, "scan"),
+        (RunSpec { stop: Tick(-1), ..fine.clone() }, "stop"),
     ] {
         let text = refusal(&mut console, &bad);
         assert!(text.contains(word), "{text}");
@@ -272,10 +194,7 @@ fn impossible_runs_are_refused_with_a_reason() {
         console.set_ics(vec![("d".into(), 1.0)]),
         console.set_params(vec![("nobody".into(), 1.0)]),
     ] {
-        assert!(
-            matches!(refused, Err(ConsoleFault::Refused(_))),
-            "{refused:?}"
-        );
+        assert!(matches!(refused, Err(ConsoleFault::Refused(_))), "{refused:?}");
     }
     console.bye().unwrap();
 }

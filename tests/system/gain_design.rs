@@ -24,12 +24,9 @@ use digital_proc::{
 use interface::profile::Profile;
 
 fn with_console<T>(work: impl FnOnce(&mut Console<'_>, &Profile) -> T) -> T {
-    let mut started = Started::new(
-        &LinkChoice::Memory,
-        AnalogEntry { serve },
-        std::sync::Arc::default(),
-    )
-    .unwrap();
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
     let mut console = Console::new(started.port());
     let done = work(&mut console, &Profile::load("ideal").unwrap());
     console.bye().unwrap();
@@ -46,16 +43,10 @@ fn re_evaluation_finds_what_the_flights_do_not() {
     let (reduced, designed) = with_console(|console, profile| {
         let bench = PitchBench::load(console, profile).unwrap();
         let mut of = |data| evaluate(console, &bench, &vehicle, data).unwrap();
-        (
-            of(&vehicle.data().gains_reduced),
-            of(&vehicle.data().gains.schedule()),
-        )
+        (of(&vehicle.data().gains_reduced), of(&vehicle.data().gains.schedule()))
     });
-    let beyond: Vec<&str> = reduced
-        .iter()
-        .filter(|p| !p.accepted())
-        .map(|p| p.point.as_str())
-        .collect();
+    let beyond: Vec<&str> =
+        reduced.iter().filter(|p| !p.accepted()).map(|p| p.point.as_str()).collect();
     assert_eq!(beyond, ["burn-out"]);
     let overshoot = worst(&reduced).unwrap().quality.overshoot.unwrap();
     assert!((overshoot - 0.36).abs() < 0.005, "{overshoot}");
@@ -66,22 +57,15 @@ fn re_evaluation_finds_what_the_flights_do_not() {
 fn the_search_betters_every_interval_and_fewer_switchings_fly() {
     let vehicle = Vehicle::shipped().unwrap();
     // A few evaluations an interval: enough to show the direction, not the end.
-    let effort = Effort {
-        evaluations: 6,
-        ..EFFORT
-    };
+    let effort = Effort { evaluations: 6, ..EFFORT };
     let mut told = Vec::new();
     let (design, merging) = with_console(|console, profile| {
         let bench = PitchBench::load(console, profile).unwrap();
-        let design = design(
-            console,
-            &bench,
-            &vehicle,
-            &Criteria::DESIGN,
-            effort,
-            &mut |i, _, _| told.push(i),
-        )
-        .unwrap();
+        let design =
+            design(console, &bench, &vehicle, &Criteria::DESIGN, effort, &mut |i, _, _| {
+                told.push(i)
+            })
+            .unwrap();
         let plan = LongPeriodPlan::new(Vec::new(), profile.clone());
         let merging = merge(console, &vehicle, &plan, &design.schedule, |_, _| {}).unwrap();
         (design, merging)
@@ -91,16 +75,10 @@ fn the_search_betters_every_interval_and_fewer_switchings_fly() {
         assert!(interval.evaluations <= 6);
         // Rounding to the file's digits moves a gain by half a digit, under 2 %
         // of it, and the cost is of order one in the logarithm of a gain.
-        assert!(
-            interval.cost < 1.05 * interval.first_cost,
-            "{i}: {interval:?}"
-        );
+        assert!(interval.cost < 1.05 * interval.first_cost, "{i}: {interval:?}");
     }
-    let intervals: Vec<usize> = merging
-        .levels
-        .iter()
-        .map(|l| l.schedule.switch_time_s.len())
-        .collect();
+    let intervals: Vec<usize> =
+        merging.levels.iter().map(|l| l.schedule.switch_time_s.len()).collect();
     assert_eq!(intervals[0], 8);
     assert!(intervals.windows(2).all(|w| w[1] == w[0] - 1));
     // The tips are switched in at 17 s in every one of them.
@@ -113,10 +91,7 @@ fn the_search_betters_every_interval_and_fewer_switchings_fly() {
 #[test]
 fn dispersions_act_in_the_direction_of_their_physics() {
     let vehicle = Vehicle::shipped().unwrap();
-    let points = SHIPPED_TEXT
-        .lines()
-        .find(|l| l.starts_with("points"))
-        .unwrap();
+    let points = SHIPPED_TEXT.lines().find(|l| l.starts_with("points")).unwrap();
     let text = SHIPPED_TEXT.replace(points, "points = [\"max-q\"]");
     let dispersions = Dispersions::from_toml("max-q", &text).unwrap();
     let mut done = 0;
@@ -128,11 +103,7 @@ fn dispersions_act_in_the_direction_of_their_physics() {
     assert_eq!(done, loops(&dispersions));
     let point = &points[0];
     let of = |title: &str, measure: Measure| {
-        let effect = point
-            .effects
-            .iter()
-            .find(|e| e.dispersion.starts_with(title))
-            .unwrap();
+        let effect = point.effects.iter().find(|e| e.dispersion.starts_with(title)).unwrap();
         [&effect.low, &point.nominal, &effect.high].map(|a| measure.of(a))
     };
     // Less tip force, or a more unstable airframe: less stiffness, more overshoot.

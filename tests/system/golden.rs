@@ -32,14 +32,9 @@ pub fn hold(section: &str, found: Section) {
     let _alone = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
     let text = std::fs::read_to_string(FILE).unwrap_or_default();
     let mut file: BTreeMap<String, Section> = toml::from_str(&text).unwrap();
-    let former = file
-        .insert(section.into(), found.clone())
-        .unwrap_or_default();
+    let former = file.insert(section.into(), found.clone()).unwrap_or_default();
     let mut differing = String::new();
-    for name in former
-        .keys()
-        .chain(found.keys().filter(|n| !former.contains_key(*n)))
-    {
+    for name in former.keys().chain(found.keys().filter(|n| !former.contains_key(*n))) {
         let hash = |of: &Section| of.get(name).map_or("none", String::as_str).to_owned();
         let (was, is) = (hash(&former), hash(&found));
         if was != is {
@@ -47,14 +42,7 @@ pub fn hold(section: &str, found: Section) {
         }
     }
     if std::env::var_os("GOLDEN").is_some_and(|v| v == "write") {
-        println!(
-            "{section}: {}",
-            if differing.is_empty() {
-                "unchanged"
-            } else {
-                &differing
-            }
-        );
+        println!("{section}: {}", if differing.is_empty() { "unchanged" } else { &differing });
         let new = format!("{HEAD}\n{}", toml::to_string(&file).unwrap());
         std::fs::create_dir_all(Path::new(FILE).parent().unwrap()).unwrap();
         std::fs::write(FILE, new).unwrap();
@@ -68,27 +56,18 @@ pub fn hold(section: &str, found: Section) {
 }
 
 fn hex(hash: Sha256) -> String {
-    hash.finalize()[..8]
-        .iter()
-        .fold(String::new(), |mut hex, byte| {
-            write!(hex, "{byte:02x}").unwrap();
-            hex
-        })
+    hash.finalize()[..8].iter().fold(String::new(), |mut hex, byte| {
+        write!(hex, "{byte:02x}").unwrap();
+        hex
+    })
 }
 
 /// Names, ticks and bits of a trace.
 fn of_trace(path: &Path) -> String {
     let trace = Trace::read(path).unwrap();
-    assert!(
-        trace.is_complete() && trace.rows() > 0,
-        "{}",
-        path.display()
-    );
+    assert!(trace.is_complete() && trace.rows() > 0, "{}", path.display());
     let mut hash = Sha256::new();
-    trace
-        .ticks()
-        .iter()
-        .for_each(|tick| hash.update(tick.to_le_bytes()));
+    trace.ticks().iter().for_each(|tick| hash.update(tick.to_le_bytes()));
     for (n, column) in trace.columns().iter().enumerate() {
         hash.update(format!("{column:?}"));
         for value in trace.values(n).unwrap() {
@@ -109,15 +88,8 @@ fn run(bench: &BenchTop, args: &[&str]) -> PathBuf {
     let link = std::env::var("GOLDEN_LINK").unwrap_or_else(|_| "memory".into());
     let former = bench.run_directories();
     let mut command = bench.command(DIGITAL, args);
-    expect(
-        command.args(["--link", &link, "--out"]).arg(bench.runs()),
-        0,
-    );
-    bench
-        .run_directories()
-        .into_iter()
-        .find(|d| !former.contains(d))
-        .unwrap()
+    expect(command.args(["--link", &link, "--out"]).arg(bench.runs()), 0);
+    bench.run_directories().into_iter().find(|d| !former.contains(d)).unwrap()
 }
 
 #[test]

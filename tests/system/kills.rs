@@ -74,16 +74,8 @@ const KINDS: [Kind; 4] = [
         args: &["short-period", "pitch"],
         life: Duration::from_millis(1500),
     },
-    Kind {
-        name: "circle",
-        args: &["sampling", "circle"],
-        life: Duration::from_millis(500),
-    },
-    Kind {
-        name: "stiff",
-        args: &["sampling", "loop"],
-        life: Duration::from_millis(300),
-    },
+    Kind { name: "circle", args: &["sampling", "circle"], life: Duration::from_millis(500) },
+    Kind { name: "stiff", args: &["sampling", "loop"], life: Duration::from_millis(300) },
 ];
 
 /// xorshift64*: kills need no better chance than this, and repeat from their seed.
@@ -136,10 +128,7 @@ fn of_sessions(bench: &BenchTop) -> BTreeSet<String> {
     let sessions = std::fs::read_dir(bench.base());
     let prefix = |e: std::fs::DirEntry| std::fs::read_to_string(e.path().join("prefix")).ok();
     let sessions = sessions.into_iter().flatten().flatten();
-    sessions
-        .filter_map(prefix)
-        .filter(|p| p.ends_with('_'))
-        .collect()
+    sessions.filter_map(prefix).filter(|p| p.ends_with('_')).collect()
 }
 
 /// Files of shared memory that a process has mapped, by the prefix of its session.
@@ -174,10 +163,7 @@ fn orphan_ends(pid: u32, limit: Duration, told: &str) -> Option<i32> {
             Err(_) if pid.is_none_or(|p| !runs(p.as_raw_nonzero().get() as u32)) => return None,
             Err(_) => {}
         }
-        assert!(
-            started.elapsed() < limit,
-            "{told}: the analog side lives on after {limit:?}"
-        );
+        assert!(started.elapsed() < limit, "{told}: the analog side lives on after {limit:?}");
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -210,14 +196,8 @@ fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
     let told = format!("{}, {victim} side killed after {after:?}", kind.name);
     let mut child = start(bench, kind);
     std::thread::sleep(after);
-    let analog = children(child.id())
-        .into_iter()
-        .find(|pid| argv0(*pid) == "analog-proc");
-    let limit = if after > MAKING {
-        NOTICE
-    } else {
-        NOTICE_MAKING
-    };
+    let analog = children(child.id()).into_iter().find(|pid| argv0(*pid) == "analog-proc");
+    let limit = if after > MAKING { NOTICE } else { NOTICE_MAKING };
     let mut known = of_sessions(bench);
     known.extend(prefixes(child.id()));
     known.extend(analog.map(prefixes).unwrap_or_default());
@@ -227,16 +207,8 @@ fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
         if hit.is_none() && kind.name == "stiff" {
             signal(child.id(), Signal::TERM);
         }
-        let patience = if hit.is_some() {
-            limit
-        } else {
-            Duration::from_secs(30)
-        };
-        let patience = if kind.name == "stiff" {
-            limit
-        } else {
-            patience
-        };
+        let patience = if hit.is_some() { limit } else { Duration::from_secs(30) };
+        let patience = if kind.name == "stiff" { limit } else { patience };
         let (output, _) = wait_within_or(child, patience, &told);
         let code = output.status.code();
         // Killed after its last word it harms nobody.
@@ -388,29 +360,19 @@ fn flight_under_strace(
     // What strace needs beside the program itself.
     let patience = NOTICE_MAKING + Duration::from_secs(2);
     if digital {
-        let child = traced(bench, log, inject, (DIGITAL, &flight))
-            .spawn()
-            .unwrap();
+        let child = traced(bench, log, inject, (DIGITAL, &flight)).spawn().unwrap();
         let (output, _) = wait_within_or(child, Duration::from_secs(20), told);
         let killed = output.status.code().is_none();
-        assert!(
-            killed || output.status.success(),
-            "{told}: {}",
-            text(&output)
-        );
+        assert!(killed || output.status.success(), "{told}: {}", text(&output));
         survivors_end(bench, NOTICE_MAKING, &BTreeSet::new(), told);
         return;
     }
     let serve = ["serve", "--session", "kills"];
-    let server = traced(bench, log, inject, (ANALOG, &serve))
-        .spawn()
-        .unwrap();
+    let server = traced(bench, log, inject, (ANALOG, &serve)).spawn().unwrap();
     let mut server = Some(server);
     let root = bench.base().join("kills.session");
     let gone = |server: &mut Option<Child>| {
-        server
-            .as_mut()
-            .is_none_or(|s| s.try_wait().unwrap().is_some())
+        server.as_mut().is_none_or(|s| s.try_wait().unwrap().is_some())
     };
     until("the session or its end", patience, || {
         (root.join("analog-proc.lock").is_file() || gone(&mut server)).then_some(())
@@ -452,10 +414,7 @@ fn flight_under_strace(
     let known = of_sessions(bench);
     let left = left(bench, &known);
     if !left.is_empty() {
-        assert!(
-            code != Some(PARTNER_FAILED),
-            "{told}: left by a survivor: {left:?}"
-        );
+        assert!(code != Some(PARTNER_FAILED), "{told}: left by a survivor: {left:?}");
         swept(bench, &known, told);
     }
 }

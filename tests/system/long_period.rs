@@ -21,19 +21,13 @@ use interface::profile::Profile;
 
 fn modes(names: &[&str]) -> Vec<FlightScript> {
     let file = FailureFile::shipped();
-    names
-        .iter()
-        .map(|n| file.mode(n).unwrap().clone())
-        .collect()
+    names.iter().map(|n| file.mode(n).unwrap().clone()).collect()
 }
 
 fn study(vehicle: &Vehicle, plan: &LongPeriodPlan) -> LongPeriodResults {
-    let mut started = Started::new(
-        &LinkChoice::Memory,
-        AnalogEntry { serve },
-        std::sync::Arc::default(),
-    )
-    .unwrap();
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
     let mut console = Console::new(started.port());
     let results = run(&mut console, vehicle, plan, |_| {}).unwrap();
     console.bye().unwrap();
@@ -74,14 +68,7 @@ fn a_users_failure_file_flies_and_its_mistakes_are_told() {
     std::fs::write(&path, good).unwrap();
     let file = path.to_str().unwrap();
     let fly = |mode: &str, code: i32| {
-        let args = [
-            "--mode",
-            mode,
-            "--failures",
-            file,
-            "--json",
-            "--design-case",
-        ];
+        let args = ["--mode", mode, "--failures", file, "--json", "--design-case"];
         expect(&mut bench.fly(&args), code)
     };
     let flown = fly("late-roll", 0);
@@ -92,10 +79,7 @@ fn a_users_failure_file_flies_and_its_mistakes_are_told() {
     assert!(missed.contains("late-roll"), "{missed}");
     std::fs::write(&path, good.replace("roll-gain", "rol-gain")).unwrap();
     let refused = String::from_utf8(fly("late-roll", 2).stderr).unwrap();
-    assert!(
-        refused.contains("mine.toml:3") && refused.contains("roll-gain"),
-        "{refused}"
-    );
+    assert!(refused.contains("mine.toml:3") && refused.contains("roll-gain"), "{refused}");
     bench.assert_clean();
 }
 
@@ -124,12 +108,7 @@ fn the_claims_hold_and_the_loads_are_the_references() {
     }
     // A reversed wind makes the single violation fail.
     let over = results.modes.iter().filter(|m| {
-        m.reversed
-            .as_ref()
-            .unwrap()
-            .figures
-            .unwrap()
-            .max_q_alpha_padeg
+        m.reversed.as_ref().unwrap().figures.unwrap().max_q_alpha_padeg
             > results.accept.q_alpha_padeg
     });
     assert!(over.count() > 1);
@@ -144,14 +123,7 @@ fn repeated_flights_of_one_session_are_bit_identical() {
     let plan = LongPeriodPlan {
         envelope: Vec::new(),
         reversed: false,
-        ..shipped(
-            [
-                modes(&["normal"]),
-                modes(&["roll-lost"]),
-                modes(&["normal"]),
-            ]
-            .concat(),
-        )
+        ..shipped([modes(&["normal"]), modes(&["roll-lost"]), modes(&["normal"])].concat())
     };
     let results = study(&Vehicle::shipped().unwrap(), &plan);
     assert_eq!(results.modes[0].design, results.modes[2].design);
@@ -168,10 +140,8 @@ fn without_wind_no_load_is_singled_out() {
 #[test]
 fn in_a_tailwind_more_than_one_mode_exceeds_the_limit() {
     let tail = changed(|d| d.long_period_case.wind_sign = 1.0);
-    let plan = LongPeriodPlan {
-        modes: modes(&["normal", "roll-lost", "tips-dead"]),
-        ..short_plan()
-    };
+    let plan =
+        LongPeriodPlan { modes: modes(&["normal", "roll-lost", "tips-dead"]), ..short_plan() };
     assert_eq!(verdict(&study(&tail, &plan), "L2"), Verdict::Fails);
 }
 
@@ -188,9 +158,7 @@ fn rewired(from: &str, to: &str) -> LongPeriodPlan {
 fn rate_feedback_of_the_wrong_sign_breaks_the_trajectory_claims() {
     let vehicle = Vehicle::shipped().unwrap();
     let mut plan = rewired("\"-lead_f_p\"", "\"lead_f_p\"");
-    plan.patch.files[0].1 = plan.patch.files[0]
-        .1
-        .replace("\"-lead_t_p\"", "\"lead_t_p\"");
+    plan.patch.files[0].1 = plan.patch.files[0].1.replace("\"-lead_t_p\"", "\"lead_t_p\"");
     let results = study(&vehicle, &plan);
     assert_eq!(verdict(&results, "L1"), Verdict::Fails);
     assert_eq!(verdict(&results, "L3"), Verdict::Fails);

@@ -119,14 +119,8 @@ fn a_servo_with_a_set_point_has_its_poles_or_none() {
     assert_right(&json);
     // The exact figures at 10 ms without latency, to their digits.
     let row = &rows(&json)[2];
-    assert!(
-        (row["zeta"].as_f64().unwrap() - 0.5024).abs() < 5e-5,
-        "{row}"
-    );
-    assert!(
-        (row["omega"].as_f64().unwrap() - 9.000).abs() < 5e-4,
-        "{row}"
-    );
+    assert!((row["zeta"].as_f64().unwrap() - 0.5024).abs() < 5e-5, "{row}");
+    assert!((row["omega"].as_f64().unwrap() - 9.000).abs() < 5e-4, "{row}");
 
     let all = STUDY.replace("from = \"0.5s\"\n", "");
     let json = lab.run(PATCH, &all);
@@ -154,14 +148,7 @@ fn few_bits_saturation_and_limit_cycles_are_told_case_by_case() {
     let near = |row: &Value| left_of_the_characteristic_equation(row) < 2e-3;
     for row in rows(&lab.run(PATCH, &STUDY.replace("bits = [0]", "bits = [4, 8, 12]"))) {
         let told = !row["zeta"].is_null();
-        assert!(
-            if told {
-                near(row)
-            } else {
-                !remark(row).is_empty()
-            },
-            "{row}"
-        );
+        assert!(if told { near(row) } else { !remark(row).is_empty() }, "{row}");
         assert!(told || row["bits"].as_f64().unwrap() < 12.0, "{row}");
     }
 

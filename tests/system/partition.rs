@@ -27,12 +27,9 @@ fn machine(vehicle: &Vehicle, step: Tick, fast: u64, alpha: AlphaPath) -> Vec<Fl
         alpha,
         profile: Profile::load("ideal").unwrap(),
     };
-    let mut started = Started::new(
-        &LinkChoice::Memory,
-        AnalogEntry { serve },
-        std::sync::Arc::default(),
-    )
-    .unwrap();
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
     let mut console = Console::new(started.port());
     let mut samples = Vec::new();
     flight::fly(&mut console, vehicle, &plan, |frame, result| {
@@ -87,11 +84,7 @@ fn the_patch_is_the_second_formulation_of_the_partition() {
         .unwrap();
     });
     for (name, limit, of) in [
-        (
-            "pitch, rad",
-            1e-5,
-            (|s: &FlightSample| s.pitch_rad) as fn(&FlightSample) -> f64,
-        ),
+        ("pitch, rad", 1e-5, (|s: &FlightSample| s.pitch_rad) as fn(&FlightSample) -> f64),
         ("incidence, rad", 1e-5, |s| s.incidence_rad),
         ("speed, m/s", 1e-3, |s| s.trajectory.speed_mps),
         ("altitude, m", 0.05, |s| s.trajectory.altitude_m),
@@ -99,10 +92,7 @@ fn the_patch_is_the_second_formulation_of_the_partition() {
         ("injection force, N", 5.0, |s| s.tvc_pitch_n),
     ] {
         let (difference, time_s) = worst(&machine, &reference, of);
-        assert!(
-            difference < limit,
-            "{name}: {difference:e} at {time_s} s, limit {limit:e}"
-        );
+        assert!(difference < limit, "{name}: {difference:e} at {time_s} s, limit {limit:e}");
     }
 }
 
@@ -118,10 +108,7 @@ fn the_partition_error_is_first_order_in_the_frame() {
         worst(&flown, &truth, |s| s.trajectory.path_angle_rad).0
     };
     let (coarse, middle, fine) = (error(100), error(50), error(25));
-    for (what, ratio) in [
-        ("0.1/0.05 s", coarse / middle),
-        ("0.05/0.025 s", middle / fine),
-    ] {
+    for (what, ratio) in [("0.1/0.05 s", coarse / middle), ("0.05/0.025 s", middle / fine)] {
         // First order halves the error; ±0.2 in the order is a ratio of 1.74 to 2.30.
         assert!(
             (1.74..2.30).contains(&ratio),

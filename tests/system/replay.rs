@@ -48,10 +48,7 @@ fn assert_overruns_counted(pacing: &serde_json::Value) {
         .collect();
     frames.sort_unstable();
     frames.dedup();
-    assert_eq!(
-        pacing["frames_overrun"].as_u64().unwrap(),
-        frames.len() as u64
-    );
+    assert_eq!(pacing["frames_overrun"].as_u64().unwrap(), frames.len() as u64);
 }
 
 #[test]
@@ -72,16 +69,8 @@ fn a_flight_on_the_wall_clock_replays_to_the_last_bit() {
         let transfers = Trace::read(&run.join("transfers.arrow")).unwrap();
         let period = 1_000_000_000 / frames as i64;
         assert!(transfers.rows() > 0 && transfers.rows() as u64 <= frames);
-        for (frame, tick) in transfers
-            .column("frame")
-            .unwrap()
-            .iter()
-            .zip(transfers.ticks())
-        {
-            assert!(
-                *tick > *frame as i64 * period,
-                "updates {frame} came before their samples"
-            );
+        for (frame, tick) in transfers.column("frame").unwrap().iter().zip(transfers.ticks()) {
+            assert!(*tick > *frame as i64 * period, "updates {frame} came before their samples");
         }
         let trace = std::fs::read(run.join("trace.arrow")).unwrap();
         let before = bench.run_directories();
@@ -147,10 +136,7 @@ fn delay_one_transfer(run: &Path) -> u64 {
 #[test]
 fn a_replay_that_differs_says_where() {
     let bench = BenchTop::new();
-    let (run, _) = fly_paced(
-        &bench,
-        &["--until", "400ms", "--frame", "20ms", "--fast", "1"],
-    );
+    let (run, _) = fly_paced(&bench, &["--until", "400ms", "--frame", "20ms", "--fast", "1"]);
     assert_replays(&bench, &run, &[]);
     let late = delay_one_transfer(&run);
     let output = expect(on_runs(&bench, &["replay"]).arg(&run), 1);
@@ -172,11 +158,7 @@ fn runs_are_listed_exported_and_plotted() {
     let bench = BenchTop::new();
     let (run, _) = fly_paced(&bench, &["--until", "200ms"]);
     let name = run.file_name().unwrap().to_str().unwrap().to_owned();
-    let rows = RunDirectory::open(&run)
-        .unwrap()
-        .read_trace()
-        .unwrap()
-        .rows();
+    let rows = RunDirectory::open(&run).unwrap().read_trace().unwrap().rows();
     let text = |output: std::process::Output| String::from_utf8(output.stdout).unwrap();
 
     let list = text(expect(&mut on_runs(&bench, &["list"]), 0));
@@ -188,31 +170,14 @@ fn runs_are_listed_exported_and_plotted() {
     let list: serde_json::Value = serde_json::from_slice(&list.stdout).unwrap();
     assert_eq!(list[0]["name"], name.as_str());
 
-    let printed = text(expect(
-        &mut on_runs(&bench, &["export", "last", "--csv"]),
-        0,
-    ));
+    let printed = text(expect(&mut on_runs(&bench, &["export", "last", "--csv"]), 0));
     assert_eq!(printed.lines().count(), rows + 1);
-    assert!(
-        printed.starts_with("tick_ns,time_s,velocity_m_s [m/s],"),
-        "{printed}"
-    );
+    assert!(printed.starts_with("tick_ns,time_s,velocity_m_s [m/s],"), "{printed}");
     let file = run.join("of-mine.csv");
-    expect(
-        on_runs(&bench, &["export", "last", "--csv"])
-            .arg("--out")
-            .arg(&file),
-        0,
-    );
+    expect(on_runs(&bench, &["export", "last", "--csv"]).arg("--out").arg(&file), 0);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), printed);
-    let transfers = text(expect(
-        &mut on_runs(&bench, &["export", "last", "--transfers"]),
-        0,
-    ));
-    assert!(
-        transfers.starts_with("tick_ns,time_s,frame\n"),
-        "{transfers}"
-    );
+    let transfers = text(expect(&mut on_runs(&bench, &["export", "last", "--transfers"]), 0));
+    assert!(transfers.starts_with("tick_ns,time_s,frame\n"), "{transfers}");
 
     expect(&mut on_runs(&bench, &["plot", &name]), 0);
     let page = std::fs::read_to_string(run.join("plots.html")).unwrap();
@@ -235,9 +200,7 @@ fn a_damaged_record_is_refused_with_its_line() {
         ("link = \"shm\"", "link = shm\""),
         ("wind = \"none\"", "wind = \"gale\""),
     ] {
-        let at = sound
-            .find(from)
-            .unwrap_or_else(|| panic!("{from} is not in\n{sound}"));
+        let at = sound.find(from).unwrap_or_else(|| panic!("{from} is not in\n{sound}"));
         let line = 1 + sound[..at].matches('\n').count();
         std::fs::write(&path, sound.replacen(from, to, 1)).unwrap();
         let output = expect(on_runs(&bench, &["replay"]).arg(&run), 2);
@@ -260,10 +223,7 @@ fn either_side_notices_a_death_between_the_frames() {
         let analog = partner_of(&child);
         until("the trace", Duration::from_secs(20), || {
             let directories = bench.run_directories();
-            directories
-                .iter()
-                .any(|d| d.join("transfers.arrow").is_file())
-                .then_some(())
+            directories.iter().any(|d| d.join("transfers.arrow").is_file()).then_some(())
         });
         // Both now wait for the next frame, seconds away.
         std::thread::sleep(Duration::from_millis(300));
@@ -277,16 +237,12 @@ fn either_side_notices_a_death_between_the_frames() {
             let text = String::from_utf8_lossy(&output.stderr).into_owned();
             assert!(text.contains("analog-proc is gone"), "{text}");
         }
-        until("the end of the analog side", limit, || {
-            (!runs(analog)).then_some(())
-        });
+        until("the end of the analog side", limit, || (!runs(analog)).then_some(()));
         for directory in bench.run_directories() {
             std::fs::remove_dir_all(directory).unwrap();
         }
     }
     until("the session's removal", Duration::from_secs(3), || {
-        std::fs::read_dir(bench.base())
-            .map_or(true, |mut d| d.next().is_none())
-            .then_some(())
+        std::fs::read_dir(bench.base()).map_or(true, |mut d| d.next().is_none()).then_some(())
     });
 }

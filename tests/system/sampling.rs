@@ -39,12 +39,7 @@ fn circle_grid() -> Vec<CircleSetting> {
     for hold in Hold::ALL {
         for latency_frames in [0.0, 0.25, 0.5, 1.0] {
             for samples_per_cycle in [10, 20, 40, 100, 200, 400] {
-                all.push(CircleSetting {
-                    samples_per_cycle,
-                    frame_s: 0.01,
-                    latency_frames,
-                    hold,
-                });
+                all.push(CircleSetting { samples_per_cycle, frame_s: 0.01, latency_frames, hold });
             }
         }
     }
@@ -115,17 +110,8 @@ fn alpha_loops_have_the_roots_of_the_monodromy_matrix() {
         ];
         for gain in [0.2, 0.5] {
             for correction in [Correction::Spread, Correction::Pulse] {
-                for delivery in [
-                    Delivery::Prompt,
-                    Delivery::LateMatched,
-                    Delivery::LateUnmatched,
-                ] {
-                    let scheme = Scheme::Redundant {
-                        slow_frames: 10,
-                        gain,
-                        delivery,
-                        correction,
-                    };
+                for delivery in [Delivery::Prompt, Delivery::LateMatched, Delivery::LateUnmatched] {
+                    let scheme = Scheme::Redundant { slow_frames: 10, gain, delivery, correction };
                     settings.push(AlphaSetting::standard(6.0, scheme, 0.01, 0.01));
                     settings.push(AlphaSetting::standard(4.0, scheme, 0.005, 0.002));
                 }
@@ -165,18 +151,14 @@ fn redundant_alpha_is_stable_where_conventional_alpha_is_not() {
 fn hybrid_function_generation_has_no_lag() {
     bench(|bench| {
         for frames_per_cycle in [20, 39, 100] {
-            let setting = FunctionSetting {
-                frames_per_cycle,
-                ..FunctionSetting::standard()
-            };
+            let setting = FunctionSetting { frames_per_cycle, ..FunctionSetting::standard() };
             for row in bench.function(&setting)? {
                 // The claims. The function is not a line: its slope by cells makes the all-digital
                 // lag depart from that of its argument.
                 match row.way {
-                    Way::AllDigital => assert!(
-                        (row.lag_measured_deg - row.lag_theory_deg).abs() < 0.2,
-                        "{row:?}"
-                    ),
+                    Way::AllDigital => {
+                        assert!((row.lag_measured_deg - row.lag_theory_deg).abs() < 0.2, "{row:?}")
+                    }
                     Way::Hybrid => assert!(row.lag_measured_deg.abs() < 0.01, "{row:?}"),
                     Way::LocalCell => assert!(row.lag_measured_deg.is_finite(), "{row:?}"),
                 }
@@ -229,14 +211,8 @@ fn converters_add_the_noise_and_the_errors_of_theory() {
         })?;
         // Piecewise polynomials, which the array integrates to its tolerance of 1e-10, from an
         // instant that is located to 1e-10 s.
-        assert!(
-            (row.mean_measured / row.mean_theory - 1.0).abs() < 1e-8,
-            "{row:?}"
-        );
-        assert!(
-            (row.rms_measured / row.rms_theory - 1.0).abs() < 1e-8,
-            "{row:?}"
-        );
+        assert!((row.mean_measured / row.mean_theory - 1.0).abs() < 1e-8, "{row:?}");
+        assert!((row.rms_measured / row.rms_theory - 1.0).abs() < 1e-8, "{row:?}");
         Ok(())
     });
 }
@@ -249,39 +225,14 @@ fn each_stage_of_a_channel_is_that_of_its_budget() {
     let bare = Stages::bare(frame);
     let cases = [
         bare,
-        Stages {
-            hold: Hold::Extrapolating,
-            ..bare
-        },
-        Stages {
-            hold: Hold::Interpolating,
-            ..bare
-        },
-        Stages {
-            latency: ms * 7,
-            ..bare
-        },
-        Stages {
-            latency: frame,
-            ..bare
-        },
-        Stages {
-            skew: ms,
-            latency: ms * 4,
-            ..bare
-        },
-        Stages {
-            aperture: ms * 6,
-            ..bare
-        },
-        Stages {
-            settling: ms * 3,
-            ..bare
-        },
-        Stages {
-            lead_frames: 0.5,
-            ..bare
-        },
+        Stages { hold: Hold::Extrapolating, ..bare },
+        Stages { hold: Hold::Interpolating, ..bare },
+        Stages { latency: ms * 7, ..bare },
+        Stages { latency: frame, ..bare },
+        Stages { skew: ms, latency: ms * 4, ..bare },
+        Stages { aperture: ms * 6, ..bare },
+        Stages { settling: ms * 3, ..bare },
+        Stages { lead_frames: 0.5, ..bare },
         Stages {
             hold: Hold::Extrapolating,
             latency: ms * 5,
@@ -292,12 +243,7 @@ fn each_stage_of_a_channel_is_that_of_its_budget() {
             ..bare
         },
     ];
-    let route = Route {
-        scan: vec![0, 1, 2],
-        position: 2,
-        dac: 1,
-        full_scale: 4.0,
-    };
+    let route = Route { scan: vec![0, 1, 2], position: 2, dac: 1, full_scale: 4.0 };
     bench(|bench| {
         for hz in [1.0, 7.0] {
             let window = window(hz, frame)?;
@@ -309,10 +255,7 @@ fn each_stage_of_a_channel_is_that_of_its_budget() {
                     num(measured.gain, measured.phase_rad) - num(theory.norm(), theory.arg());
                 // Correlators at rtol 1e-10; Gauss quadrature over an aperture of x = 0.26 rad
                 // leaves x^6/2e6 < 1e-9; ticks are rounded to 1 ns, 4e-8 rad at 7 Hz, for the looks.
-                assert!(
-                    apart.norm() < 1e-6,
-                    "{hz} Hz {stages:?} {measured:?} {theory}"
-                );
+                assert!(apart.norm() < 1e-6, "{hz} Hz {stages:?} {measured:?} {theory}");
             }
         }
         Ok(())
@@ -355,11 +298,7 @@ fn a_loop_study_works_from_toml_alone() {
     let run = |text: &str, code: i32| {
         std::fs::write(&study, text).unwrap();
         let mut command = top.command(DIGITAL, &["sampling", "loop"]);
-        command
-            .arg(&study)
-            .arg("--json")
-            .arg("--out")
-            .arg(top.runs());
+        command.arg(&study).arg("--json").arg("--out").arg(top.runs());
         expect(&mut command, code)
     };
     let output = run(STUDY, 0);
@@ -369,27 +308,14 @@ fn a_loop_study_works_from_toml_alone() {
     // One frame of 0.1 s late: the exact damping is 0.0787, a figure of the worked example.
     let zeta = |i: usize| {
         let row = rows[i].as_object().unwrap();
-        row.iter()
-            .find(|(k, _)| k.starts_with("zeta"))
-            .unwrap()
-            .1
-            .as_f64()
-            .unwrap()
+        row.iter().find(|(k, _)| k.starts_with("zeta")).unwrap().1.as_f64().unwrap()
     };
     assert!((zeta(3) - 0.0787).abs() < 5e-5, "{rows:?}");
     for (good, bad, place) in [
         ("outputs = [\"u\"]", "outputs = [\"v\"]", "study.toml:13:"),
-        (
-            "kind = \"gain-matrix\"",
-            "kind = \"gain\"",
-            "study.toml:11:",
-        ),
+        ("kind = \"gain-matrix\"", "kind = \"gain\"", "study.toml:11:"),
         ("latency = [0.0, 1.0]", "latency = [2.0]", "study.toml:9:"),
-        (
-            "patch = \"servo.toml\"",
-            "patch = \"none.toml\"",
-            "study.toml:2:",
-        ),
+        ("patch = \"servo.toml\"", "patch = \"none.toml\"", "study.toml:2:"),
         ("stop = \"10s\"", "stop = 10", "study.toml:3:"),
     ] {
         let output = run(&STUDY.replace(good, bad), 2);
@@ -404,16 +330,10 @@ fn a_loop_study_works_from_toml_alone() {
 fn experiments_run_from_the_command_line() {
     let top = BenchTop::new();
     for (name, args) in [
-        (
-            "circle",
-            &["--samples-per-cycle", "10,100", "--latency", "1"][..],
-        ),
+        ("circle", &["--samples-per-cycle", "10,100", "--latency", "1"][..]),
         ("skew", &[][..]),
         ("coefficients", &["--frame", "50ms"][..]),
-        (
-            "budget",
-            &["--frequency", "2", "--aperture", "2ms", "--latency", "5ms"][..],
-        ),
+        ("budget", &["--frequency", "2", "--aperture", "2ms", "--latency", "5ms"][..]),
     ] {
         let mut command = top.command(DIGITAL, &["sampling", name]);
         command.args(args).arg("--out").arg(top.runs());
@@ -461,10 +381,7 @@ fn digital_control_loses_the_flight_that_analog_control_holds() {
             // about 3 rad/s: ζ moves by ω τ_e / 2 = 0.01 for each path; twice that, and what is left
             // of identification on a time-varying plant.
             let r = fly(partition, 5);
-            assert!(
-                !r.lost && (r.zeta.unwrap() - fine.zeta.unwrap()).abs() < 0.03,
-                "{r:?}"
-            );
+            assert!(!r.lost && (r.zeta.unwrap() - fine.zeta.unwrap()).abs() < 0.03, "{r:?}");
         }
         for partition in [Partition::RedundantAlpha, Partition::ConventionalAlpha] {
             let r = fly(partition, 100);

@@ -6,17 +6,12 @@ use std::time::Duration;
 #[test]
 fn fifty_sessions_at_once_do_not_disturb_each_other() {
     let bench = BenchTop::new();
-    let children: Vec<_> = (0..50)
-        .map(|_| bench.fly(&["--until", "3s"]).spawn().unwrap())
-        .collect();
+    let children: Vec<_> =
+        (0..50).map(|_| bench.fly(&["--until", "3s"]).spawn().unwrap()).collect();
     for child in children {
         // A hundred processes share two cores here.
         let (output, _) = wait_within(child, Duration::from_secs(120));
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
     let traces: Vec<Vec<u8>> = bench
         .run_directories()
@@ -24,40 +19,27 @@ fn fifty_sessions_at_once_do_not_disturb_each_other() {
         .map(|d| std::fs::read(d.join("trace.arrow")).unwrap())
         .collect();
     assert_eq!(traces.len(), 50);
-    assert!(
-        traces.iter().all(|t| *t == traces[0]),
-        "the sessions' traces differ"
-    );
+    assert!(traces.iter().all(|t| *t == traces[0]), "the sessions' traces differ");
     bench.assert_clean();
 }
 
 #[test]
 fn a_session_of_another_terminal_can_be_joined() {
     let bench = BenchTop::new();
-    let serve = bench
-        .command(ANALOG, &["serve", "--session", "lab"])
-        .spawn()
-        .unwrap();
+    let serve = bench.command(ANALOG, &["serve", "--session", "lab"]).spawn().unwrap();
     until("the session", Duration::from_secs(5), || {
         bench.base().join("lab.session").is_dir().then_some(())
     });
     expect(&mut bench.fly(&["--until", "2s", "--attach", "lab"]), 0);
     let (output, _) = wait_within(serve, Duration::from_secs(5));
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     bench.assert_clean();
 }
 
 #[test]
 fn a_waiting_session_ends_on_an_interrupt() {
     let bench = BenchTop::new();
-    let serve = bench
-        .command(ANALOG, &["serve", "--session", "idle"])
-        .spawn()
-        .unwrap();
+    let serve = bench.command(ANALOG, &["serve", "--session", "idle"]).spawn().unwrap();
     until("the session", Duration::from_secs(5), || {
         bench.base().join("idle.session").is_dir().then_some(())
     });

@@ -46,10 +46,7 @@ fn another_user_can_neither_read_nor_damage_a_session() {
         return skip("only root can play another user");
     }
     let bench = BenchTop::new();
-    let serve = bench
-        .command(ANALOG, &["serve", "--session", "lab"])
-        .spawn()
-        .unwrap();
+    let serve = bench.command(ANALOG, &["serve", "--session", "lab"]).spawn().unwrap();
     let prefix = until("the session's memory", Duration::from_secs(10), || {
         let prefix = std::fs::read_to_string(bench.base().join("lab.session/prefix")).ok()?;
         let files = std::fs::read_dir("/dev/shm").unwrap().flatten();
@@ -73,12 +70,7 @@ fn another_user_can_neither_read_nor_damage_a_session() {
     std::io::Read::read_to_string(out, &mut told).unwrap();
     assert_eq!(told, "");
     expect(&mut bench.fly(&["--until", "1s", "--attach", "lab"]), 0);
-    assert!(
-        wait_within(serve, Duration::from_secs(10))
-            .0
-            .status
-            .success()
-    );
+    assert!(wait_within(serve, Duration::from_secs(10)).0.status.success());
     bench.assert_clean();
 }
 
@@ -135,10 +127,7 @@ fn an_odd_base_path_is_refused_by_name() {
         let mut fly = bench.fly(&["--until", "1s"]);
         let refused = expect(fly.env("HYBRID_BASE", &base), 2);
         let text = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert!(
-            text.contains("HYBRID_BASE") && text.contains("at most 77 bytes"),
-            "{text}"
-        );
+        assert!(text.contains("HYBRID_BASE") && text.contains("at most 77 bytes"), "{text}");
         assert!(!base.exists());
     }
 }
@@ -148,11 +137,7 @@ struct Busy(Vec<Child>);
 
 impl Busy {
     fn programs(n: usize) -> Busy {
-        let spin = || {
-            Command::new("sh")
-                .args(["-c", "while :; do :; done"])
-                .spawn()
-        };
+        let spin = || Command::new("sh").args(["-c", "while :; do :; done"]).spawn();
         Busy((0..n).map(|_| spin().unwrap()).collect())
     }
 }
@@ -183,10 +168,7 @@ fn a_flight_beside_busy_programs_takes_its_share_and_little_more() {
         // Its fair share makes three times as long; where each frame costs a yield to a
         // stranger it is a hundred times. Not below what one delayed start may take.
         let most = 10 * idle.max(Duration::from_millis(50));
-        assert!(
-            beside < most,
-            "idle {idle:?}, beside busy programs {beside:?}"
-        );
+        assert!(beside < most, "idle {idle:?}, beside busy programs {beside:?}");
     }
     bench.assert_clean();
 }
@@ -194,10 +176,7 @@ fn a_flight_beside_busy_programs_takes_its_share_and_little_more() {
 #[test]
 fn both_processes_bear_their_names() {
     let bench = BenchTop::alone();
-    let child = bench
-        .fly(&["--frame", "200us", "--fast", "1"])
-        .spawn()
-        .unwrap();
+    let child = bench.fly(&["--frame", "200us", "--fast", "1"]).spawn().unwrap();
     let analog = crate::bench_top::partner_of(&child);
     let name = |pid| std::fs::read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
     until("the name of analog-proc", Duration::from_secs(5), || {

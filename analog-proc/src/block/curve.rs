@@ -18,11 +18,7 @@ pub(crate) struct Piece {
 
 impl Piece {
     pub fn flat(y0: f64) -> Piece {
-        Piece {
-            x0: 0.0,
-            y0,
-            slope: 0.0,
-        }
+        Piece { x0: 0.0, y0, slope: 0.0 }
     }
 
     #[inline(always)]
@@ -49,11 +45,7 @@ const CORNER_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Noise band of a set of corners.
 pub(crate) fn band(corners: &[f64]) -> f64 {
     let greatest = corners.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    if greatest.is_finite() {
-        CORNER_ROUNDING * greatest
-    } else {
-        0.0
-    }
+    if greatest.is_finite() { CORNER_ROUNDING * greatest } else { 0.0 }
 }
 
 impl Curve {
@@ -111,48 +103,17 @@ pub(crate) fn pieces_of_table(x: &[f64], y: &[f64]) -> Vec<Piece> {
 
 /// Pieces of a dead zone of half width `w`.
 pub(crate) fn pieces_of_dead_zone(w: f64) -> [Piece; 3] {
-    [
-        Piece {
-            x0: -w,
-            y0: 0.0,
-            slope: 1.0,
-        },
-        Piece::flat(0.0),
-        Piece {
-            x0: w,
-            y0: 0.0,
-            slope: 1.0,
-        },
-    ]
+    [Piece { x0: -w, y0: 0.0, slope: 1.0 }, Piece::flat(0.0), Piece { x0: w, y0: 0.0, slope: 1.0 }]
 }
 
 /// Pieces of a limiter.
 pub(crate) fn pieces_of_limiter(low: f64, high: f64) -> [Piece; 3] {
-    [
-        Piece::flat(low),
-        Piece {
-            x0: 0.0,
-            y0: 0.0,
-            slope: 1.0,
-        },
-        Piece::flat(high),
-    ]
+    [Piece::flat(low), Piece { x0: 0.0, y0: 0.0, slope: 1.0 }, Piece::flat(high)]
 }
 
 /// Pieces of the absolute value.
 pub(crate) fn pieces_of_abs() -> [Piece; 2] {
-    [
-        Piece {
-            x0: 0.0,
-            y0: 0.0,
-            slope: -1.0,
-        },
-        Piece {
-            x0: 0.0,
-            y0: 0.0,
-            slope: 1.0,
-        },
-    ]
+    [Piece { x0: 0.0, y0: 0.0, slope: -1.0 }, Piece { x0: 0.0, y0: 0.0, slope: 1.0 }]
 }
 
 /// A curve whose ordinates are held in coefficient units (Rubin's function generator).

@@ -22,12 +22,7 @@ impl DacPiece {
     /// A value held from `from_s` on, without settling.
     #[must_use]
     pub fn held(value: f64, from_s: f64) -> DacPiece {
-        DacPiece {
-            value,
-            slope_per_s: 0.0,
-            from_s,
-            settling_s: 0.0,
-        }
+        DacPiece { value, slope_per_s: 0.0, from_s, settling_s: 0.0 }
     }
 }
 
@@ -42,27 +37,16 @@ pub(crate) struct Hold {
 
 impl Hold {
     pub fn at(value: f64) -> Hold {
-        Hold {
-            piece: DacPiece::held(value, 0.0),
-            residue: 0.0,
-            constant: true,
-        }
+        Hold { piece: DacPiece::held(value, 0.0), residue: 0.0, constant: true }
     }
 
     pub fn transfer(&self, piece: DacPiece) -> Hold {
-        let residue = if piece.settling_s > 0.0 {
-            self.at_time(piece.from_s) - piece.value
-        } else {
-            0.0
-        };
+        let residue =
+            if piece.settling_s > 0.0 { self.at_time(piece.from_s) - piece.value } else { 0.0 };
         if piece.slope_per_s == 0.0 && residue == 0.0 {
             return Hold::at(piece.value);
         }
-        Hold {
-            piece,
-            residue,
-            constant: false,
-        }
+        Hold { piece, residue, constant: false }
     }
 
     /// Whether the output stands still until the next transfer.
@@ -88,11 +72,7 @@ impl Hold {
     pub fn signal<N: Signal>(&self, t_s: f64) -> N {
         N::of_time(t_s, self.at_time(t_s), || {
             let piece = &self.piece;
-            let mut rate = if self.constant {
-                0.0
-            } else {
-                piece.slope_per_s
-            };
+            let mut rate = if self.constant { 0.0 } else { piece.slope_per_s };
             if self.residue != 0.0 {
                 let fading = self.residue * libm::exp(-(t_s - piece.from_s) / piece.settling_s);
                 rate -= fading / piece.settling_s;

@@ -58,10 +58,8 @@ impl Segment {
                 noise: 0.0,
             };
         }
-        let (first, second) = (
-            2.0 * (middle.value - start.value),
-            2.0 * (end.value - middle.value),
-        );
+        let (first, second) =
+            (2.0 * (middle.value - start.value), 2.0 * (end.value - middle.value));
         let [a, b] = [2.0 * (first - d0), 2.0 * (dm - first)];
         let [c, d] = [2.0 * (second - dm), 2.0 * (d1 - second)];
         let [e, f, g] = [2.0 * (b - a), c - b, 2.0 * (d - c)];
@@ -179,11 +177,7 @@ impl DelayLine {
     pub fn store(&mut self, segment: Segment, doubt: f64) {
         let epoch = self.epoch.max(1);
         let noise = doubt + DIFFERENCES * f64::EPSILON * self.largest;
-        self.segments.push_back(Segment {
-            epoch,
-            noise,
-            ..segment
-        });
+        self.segments.push_back(Segment { epoch, noise, ..segment });
     }
 
     /// Segments from here on lie behind an event.
@@ -234,10 +228,7 @@ impl DelayLine {
 fn read<N: Signal>(segment: &Segment, s: f64, t_s: f64) -> N {
     let theta = (s - segment.t0_s) / segment.h_s;
     N::of_time(t_s, segment.at(theta), || {
-        let moving = Rated {
-            value: theta,
-            rate: 1.0 / segment.h_s,
-        };
+        let moving = Rated { value: theta, rate: 1.0 / segment.h_s };
         segment.rate.unwrap_or_else(|| segment.at(moving).rate)
     })
     .blurred(segment.noise)

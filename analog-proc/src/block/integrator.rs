@@ -18,10 +18,7 @@ pub(crate) struct Control {
 impl Control {
     /// Applies the logic as it now stands; `before` are the nets before this pass.
     /// True when the state moved.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "the running state, borrowed apart"
-    )]
+    #[allow(clippy::too_many_arguments, reason = "the running state, borrowed apart")]
     pub fn apply(
         &self,
         index: usize,
@@ -44,9 +41,7 @@ impl Control {
             nets[state] = target;
         }
         let operating = self.operate.is_none_or(|s| nets[s as usize] != 0.0);
-        let free = self
-            .stops
-            .is_none_or(|e| f.region[e as usize] == Stops::FREE);
+        let free = self.stops.is_none_or(|e| f.region[e as usize] == Stops::FREE);
         f.running[index] = operating && !resetting && free;
         moved
     }

@@ -8,27 +8,10 @@ use crate::op::Slot;
 /// One storing element and the net it drives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Store {
-    FlipFlop {
-        o: Slot,
-        set: Slot,
-        reset: Slot,
-    },
-    OneShot {
-        o: Slot,
-        input: Slot,
-        width_s: f64,
-        timer: u32,
-    },
-    Counter {
-        o: Slot,
-        clock: Slot,
-        reset: Option<Slot>,
-        modulo: u32,
-    },
-    Interrupt {
-        input: Slot,
-        line: u32,
-    },
+    FlipFlop { o: Slot, set: Slot, reset: Slot },
+    OneShot { o: Slot, input: Slot, width_s: f64, timer: u32 },
+    Counter { o: Slot, clock: Slot, reset: Option<Slot>, modulo: u32 },
+    Interrupt { input: Slot, line: u32 },
 }
 
 /// An edge on an interrupt line.
@@ -75,18 +58,14 @@ impl Store {
                 };
                 (o, value)
             }
-            Store::OneShot {
-                o, width_s, timer, ..
-            } => {
+            Store::OneShot { o, width_s, timer, .. } => {
                 if !rising {
                     return None;
                 }
                 f.timer_s[timer as usize] = t_s + width_s;
                 (o, 1.0)
             }
-            Store::Counter {
-                o, reset, modulo, ..
-            } => {
+            Store::Counter { o, reset, modulo, .. } => {
                 let mut count = nets[o as usize];
                 if rising {
                     count += 1.0;
@@ -101,11 +80,7 @@ impl Store {
             }
             Store::Interrupt { line, .. } => {
                 if level != was && !initial {
-                    edges.push(Edge {
-                        line,
-                        rising: level,
-                        t_s,
-                    });
+                    edges.push(Edge { line, rising: level, t_s });
                 }
                 return None;
             }

@@ -16,13 +16,7 @@ use crate::order::Ordered;
 const LEAST_TIME_S: f64 = 1e-9;
 
 fn scaled(terms: Vec<Term>, factor: f64) -> Vec<Term> {
-    terms
-        .into_iter()
-        .map(|t| Term {
-            slot: t.slot,
-            c: factor * t.c,
-        })
-        .collect()
+    terms.into_iter().map(|t| Term { slot: t.slot, c: factor * t.c }).collect()
 }
 
 impl Lowering {
@@ -99,11 +93,9 @@ impl Lowering {
             Kind::TransportDelay { delay, .. } => resolved(delay),
             Kind::OneShot { width_s } => resolved(width_s),
             Kind::Noise { every_s, .. } => resolved(every_s),
-            Kind::Generator {
-                frequency_hz,
-                start_s,
-                ..
-            } => start_s.is_finite() && (0.0..=0.5 / LEAST_TIME_S).contains(&frequency_hz),
+            Kind::Generator { frequency_hz, start_s, .. } => {
+                start_s.is_finite() && (0.0..=0.5 / LEAST_TIME_S).contains(&frequency_hz)
+            }
             _ => true,
         };
         if fine {

@@ -64,11 +64,7 @@ const JUDGED_AT_ENDS: u32 = 4;
 /// How often a step is halved before a side of this degree is judged: so that there are as
 /// many pieces as it may have extremes.
 fn halvings(degree: u32) -> u8 {
-    if degree <= JUDGED_AT_ENDS {
-        0
-    } else {
-        (u32::BITS - (degree - 1).leading_zeros()) as u8
-    }
+    if degree <= JUDGED_AT_ENDS { 0 } else { (u32::BITS - (degree - 1).leading_zeros()) as u8 }
 }
 
 /// Lowers an ordered net.
@@ -161,14 +157,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         lowering.block = *id;
         lowering.inputs_of_stores(ordered)?;
     }
-    let Lowering {
-        mut m,
-        rates,
-        fast,
-        watched: read_by,
-        block_of_fast,
-        ..
-    } = lowering;
+    let Lowering { mut m, rates, fast, watched: read_by, block_of_fast, .. } = lowering;
     let mut seen = read_by.concat();
     seen.extend(m.lines.iter().map(|line| line.input.slot));
     let mut needed = seen.clone();
@@ -189,9 +178,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
     }
     let watch = behind(&fast, &m.terms, &seen, m.slots);
     let watched = fast.iter().zip(watch);
-    m.watch = watched
-        .filter_map(|(op, seen)| seen.then_some(*op))
-        .collect();
+    m.watch = watched.filter_map(|(op, seen)| seen.then_some(*op)).collect();
     m.first_side = vec![None; m.elements.len()];
     for (e, reads) in m.watched.iter().zip(&read_by) {
         let sides = m.elements[*e as usize].1.side_count();
@@ -208,17 +195,11 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
 
 impl Lowering {
     fn malformed(&self, reason: &'static str) -> RunFault {
-        RunFault::Malformed {
-            block: self.m.block_name(self.block),
-            reason,
-        }
+        RunFault::Malformed { block: self.m.block_name(self.block), reason }
     }
 
     fn term(&self, input: &Input) -> Term {
-        Term {
-            slot: self.slot(input.net),
-            c: input.coefficient,
-        }
+        Term { slot: self.slot(input.net), c: input.coefficient }
     }
 
     fn slot(&self, net: crate::net::NetId) -> Slot {
@@ -277,27 +258,9 @@ impl Lowering {
         let slots: Vec<Slot> = terms.iter().map(|t| t.slot).collect();
         let varying = self.vary(&slots);
         let op = match *terms {
-            [a] => Op::Sum1 {
-                o,
-                a: a.slot,
-                ca: a.c,
-            },
-            [a, b] => Op::Sum2 {
-                o,
-                a: a.slot,
-                b: b.slot,
-                ca: a.c,
-                cb: b.c,
-            },
-            [a, b, d] => Op::Sum3 {
-                o,
-                a: a.slot,
-                b: b.slot,
-                d: d.slot,
-                ca: a.c,
-                cb: b.c,
-                cd: d.c,
-            },
+            [a] => Op::Sum1 { o, a: a.slot, ca: a.c },
+            [a, b] => Op::Sum2 { o, a: a.slot, b: b.slot, ca: a.c, cb: b.c },
+            [a, b, d] => Op::Sum3 { o, a: a.slot, b: b.slot, d: d.slot, ca: a.c, cb: b.c, cd: d.c },
             _ => {
                 let (start, len) = self.store_terms(terms);
                 Op::SumN { o, start, len }
@@ -354,16 +317,7 @@ impl Lowering {
     fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> Curve {
         let (e, curve) = self.curve(u, corners, pieces);
         let varying = self.vary(&[u.slot]);
-        self.push(
-            Op::Curve {
-                o,
-                e,
-                a: u.slot,
-                c: u.c,
-            },
-            &[o],
-            varying,
-        );
+        self.push(Op::Curve { o, e, a: u.slot, c: u.c }, &[o], varying);
         curve
     }
 
@@ -382,10 +336,7 @@ impl Lowering {
                 o
             }
         };
-        Term {
-            slot,
-            c: if angle.c < 0.0 { -1.0 } else { 1.0 },
-        }
+        Term { slot, c: if angle.c < 0.0 { -1.0 } else { 1.0 } }
     }
 
     fn overload(&mut self, o: Slot, max: Option<f64>) {

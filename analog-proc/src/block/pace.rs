@@ -146,11 +146,7 @@ pub(crate) struct Paces {
 
 impl Paces {
     pub fn new(machine: &Machine) -> Paces {
-        Paces {
-            largest: vec![0.0; machine.paces.len()],
-            limit_s: f64::INFINITY,
-            bounded_by: 0,
-        }
+        Paces { largest: vec![0.0; machine.paces.len()], limit_s: f64::INFINITY, bounded_by: 0 }
     }
 
     pub fn reset(&mut self) {

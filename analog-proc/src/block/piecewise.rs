@@ -85,11 +85,7 @@ pub(crate) enum Piecewise {
 /// Makes a closed surface (reached at equality) count as crossed at equality.
 #[inline(always)]
 fn closed<N: Signal>(side: N) -> N {
-    if side.value() == 0.0 {
-        side + N::constant(f64::MIN_POSITIVE)
-    } else {
-        side
-    }
+    if side.value() == 0.0 { side + N::constant(f64::MIN_POSITIVE) } else { side }
 }
 
 impl Piecewise {
@@ -157,11 +153,7 @@ impl Piecewise {
                     }
                 }
             }
-            Piecewise::Comparator {
-                u,
-                on_above,
-                off_at,
-            } => put(if region == 0 {
+            Piecewise::Comparator { u, on_above, off_at } => put(if region == 0 {
                 u.of(nets) - N::constant(*on_above)
             } else {
                 closed(N::constant(*off_at) - u.of(nets))
@@ -176,11 +168,9 @@ impl Piecewise {
                 let table = &m.tables[cell.table as usize];
                 table.sides(region, cell.x.of(nets), cell.y.of(nets), put);
             }
-            Piecewise::Sheet { y } => put(if region == 0 {
-                -y.of(nets)
-            } else {
-                closed(y.of(nets))
-            }),
+            Piecewise::Sheet { y } => {
+                put(if region == 0 { -y.of(nets) } else { closed(y.of(nets)) })
+            }
             Piecewise::Divisor { u } => {
                 put(closed(if region == 0 { -u.of(nets) } else { u.of(nets) }))
             }
@@ -323,11 +313,7 @@ impl Piecewise {
                 }
                 best as u32
             }
-            Piecewise::Comparator {
-                u,
-                on_above,
-                off_at,
-            } => {
+            Piecewise::Comparator { u, on_above, off_at } => {
                 let u = u.of(nets);
                 let above = match known {
                     Some(0) => u > *on_above,
@@ -336,12 +322,7 @@ impl Piecewise {
                 };
                 u32::from(above)
             }
-            Piecewise::Relay {
-                u,
-                points,
-                initially_on,
-                ..
-            } => {
+            Piecewise::Relay { u, points, initially_on, .. } => {
                 let u = u.of(nets);
                 let on = known.map_or(*initially_on, |r| r == 1);
                 u32::from(if on { u >= points[0] } else { u > points[1] })

@@ -10,18 +10,8 @@ use crate::signal::Signal;
 /// A ramp or a sine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Waveform {
-    Ramp {
-        offset: f64,
-        slope: f64,
-        start_s: f64,
-    },
-    Sine {
-        offset: f64,
-        amplitude: f64,
-        frequency_hz: f64,
-        phase_rad: f64,
-        start_s: f64,
-    },
+    Ramp { offset: f64, slope: f64, start_s: f64 },
+    Sine { offset: f64, amplitude: f64, frequency_hz: f64, phase_rad: f64, start_s: f64 },
 }
 
 impl Waveform {
@@ -38,24 +28,14 @@ impl Waveform {
     #[inline]
     pub fn signal<N: Signal>(&self, t_s: f64, started: bool) -> N {
         match *self {
-            Waveform::Ramp {
-                offset,
-                slope,
-                start_s,
-            } => {
+            Waveform::Ramp { offset, slope, start_s } => {
                 if started {
                     N::of_time(t_s, offset + slope * (t_s - start_s), || slope)
                 } else {
                     N::constant(offset)
                 }
             }
-            Waveform::Sine {
-                offset,
-                amplitude,
-                frequency_hz,
-                phase_rad,
-                start_s,
-            } => {
+            Waveform::Sine { offset, amplitude, frequency_hz, phase_rad, start_s } => {
                 if !started {
                     return N::constant(offset);
                 }
@@ -107,12 +87,9 @@ impl Timer {
     /// The last firing due by t = 0, for what starts before it; else the first.
     pub fn first(&self) -> u64 {
         match *self {
-            Timer::Square {
-                frequency_hz,
-                lead,
-                start_s,
-                ..
-            } if start_s < 0.0 && frequency_hz > 0.0 => {
+            Timer::Square { frequency_hz, lead, start_s, .. }
+                if start_s < 0.0 && frequency_hz > 0.0 =>
+            {
                 (-start_s * 2.0 * frequency_hz + lead.fract()).floor() as u64
             }
             _ => 0,
@@ -129,12 +106,7 @@ impl Timer {
                     f64::INFINITY
                 }
             }
-            Timer::Square {
-                frequency_hz,
-                lead,
-                start_s,
-                ..
-            } => {
+            Timer::Square { frequency_hz, lead, start_s, .. } => {
                 if n > 0 && frequency_hz <= 0.0 {
                     f64::INFINITY
                 } else if n == 0 {
@@ -157,9 +129,7 @@ impl Timer {
     pub fn fire(&self, n: u64) -> Firing {
         match *self {
             Timer::Step { high, .. } => Firing::Value(high),
-            Timer::Square {
-                low, high, lead, ..
-            } => {
+            Timer::Square { low, high, lead, .. } => {
                 let half = n + lead as u64;
                 Firing::Value(if half.is_multiple_of(2) { high } else { low })
             }
@@ -179,10 +149,7 @@ pub(crate) struct Noise {
 
 impl Noise {
     pub fn new(sigma: f64, seed: u64) -> Noise {
-        Noise {
-            sigma,
-            deviates: Normal::seeded(seed),
-        }
+        Noise { sigma, deviates: Normal::seeded(seed) }
     }
 
     pub fn next(&mut self) -> f64 {
@@ -200,13 +167,8 @@ mod tests {
         for (lead, high_first, first_edge_s) in
             [(0.5, true, 0.25), (1.0, false, 0.5), (1.5, false, 0.25)]
         {
-            let wave = Timer::Square {
-                low: -1.0,
-                high: 1.0,
-                frequency_hz: 1.0,
-                lead,
-                start_s: 0.0,
-            };
+            let wave =
+                Timer::Square { low: -1.0, high: 1.0, frequency_hz: 1.0, lead, start_s: 0.0 };
             let is_high = |n| matches!(wave.fire(n), Firing::Value(v) if v > 0.0);
             assert_eq!(wave.instant_s(0).to_bits(), 0.0_f64.to_bits());
             for n in 1..5 {

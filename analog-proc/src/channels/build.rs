@@ -42,11 +42,9 @@ impl Channels {
             let net = block.outputs[0];
             match block.kind {
                 Kind::Adc { channel } => match profile.adc_converter(block.max) {
-                    Ok(converter) => channels.adc.push(AdcChannel {
-                        channel: channel as usize,
-                        net,
-                        converter,
-                    }),
+                    Ok(converter) => {
+                        channels.adc.push(AdcChannel { channel: channel as usize, net, converter })
+                    }
                     Err(e) => fault(&e),
                 },
                 Kind::Dac { channel, initial } | Kind::Mdac { channel, initial } => {
@@ -60,11 +58,7 @@ impl Channels {
                         Err(e) => fault(&e),
                     }
                 }
-                Kind::Dcu {
-                    channel,
-                    initial,
-                    range,
-                } => match profile.coefficient_unit(range) {
+                Kind::Dcu { channel, initial, range } => match profile.coefficient_unit(range) {
                     Ok(unit) => channels.dcu.push(DcuChannel {
                         channel: channel as usize,
                         unit,
@@ -72,26 +66,17 @@ impl Channels {
                     }),
                     Err(e) => fault(&e),
                 },
-                Kind::DigitalFunction {
-                    first_channel,
-                    ref initial,
-                    ..
-                } => match profile.coefficient_unit(None) {
-                    Ok(unit) => channels
-                        .dcu
-                        .extend((first_channel as usize..).zip(initial).map(
-                            |(channel, &value)| DcuChannel {
-                                channel,
-                                unit,
-                                value,
-                            },
-                        )),
-                    Err(e) => fault(&e),
-                },
-                Kind::Sense { line } => channels.sense.push(Line {
-                    line: line as usize,
-                    net,
-                }),
+                Kind::DigitalFunction { first_channel, ref initial, .. } => {
+                    match profile.coefficient_unit(None) {
+                        Ok(unit) => channels.dcu.extend(
+                            (first_channel as usize..)
+                                .zip(initial)
+                                .map(|(channel, &value)| DcuChannel { channel, unit, value }),
+                        ),
+                        Err(e) => fault(&e),
+                    }
+                }
+                Kind::Sense { line } => channels.sense.push(Line { line: line as usize, net }),
                 Kind::Control { line, initial } => channels.control.push((line as usize, initial)),
                 _ => {}
             }
@@ -141,11 +126,9 @@ impl Channels {
                     (ChannelKind::Dac, channel, 1)
                 }
                 Kind::Dcu { channel, .. } => (ChannelKind::Dcu, channel, 1),
-                Kind::DigitalFunction {
-                    first_channel,
-                    ref x,
-                    ..
-                } => (ChannelKind::Dcu, first_channel, x.len()),
+                Kind::DigitalFunction { first_channel, ref x, .. } => {
+                    (ChannelKind::Dcu, first_channel, x.len())
+                }
                 Kind::Sense { line } => (ChannelKind::Sense, line, 1),
                 Kind::Control { line, .. } => (ChannelKind::Control, line, 1),
                 Kind::Interrupt { line } => (ChannelKind::Interrupt, line, 1),

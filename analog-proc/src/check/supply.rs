@@ -90,9 +90,8 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
         if needed == 0 {
             continue;
         }
-        let available = profile
-            .available(class)
-            .map_or_else(|| "any".to_owned(), |count| count.to_string());
+        let available =
+            profile.available(class).map_or_else(|| "any".to_owned(), |count| count.to_string());
         let mark = if short.is_some() { "  too few" } else { "" };
         let row = format!("\n  {:<20} {needed:>7} {available:>10}{mark}", class.key());
         table.push_str(&row);

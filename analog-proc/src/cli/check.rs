@@ -34,10 +34,7 @@ impl PatchArgs {
         let mut ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;
         crate::tolerance::apply(&mut ordered, profile.component_error());
-        Ok(Compiled {
-            hash: bundle.hash(),
-            ordered,
-        })
+        Ok(Compiled { hash: bundle.hash(), ordered })
     }
 }
 
@@ -80,10 +77,7 @@ impl Check {
         if disagree > 0 {
             return Err(Failure {
                 code: CHECK_FAILED,
-                text: format!(
-                    "static check: {disagree} of {} values disagree",
-                    lines.len()
-                ),
+                text: format!("static check: {disagree} of {} values disagree", lines.len()),
             });
         }
         Ok(())
@@ -91,13 +85,7 @@ impl Check {
 }
 
 fn describe(line: &StaticCheckLine) -> String {
-    let StaticCheckLine {
-        block,
-        what,
-        expected,
-        found,
-        agrees,
-    } = line;
+    let StaticCheckLine { block, what, expected, found, agrees } = line;
     let verdict = if *agrees { "ok" } else { "DISAGREES" };
     format!("{block} {what}: expected {expected}, found {found}: {verdict}")
 }

@@ -28,11 +28,7 @@ impl Draw {
         }
         std::fs::write(&out, svg)
             .map_err(|e| Failure::output(format!("cannot write {}: {e}", out.display())))?;
-        say!(
-            "{} blocks drawn to {}",
-            compiled.ordered.netlist.blocks.len(),
-            out.display()
-        );
+        say!("{} blocks drawn to {}", compiled.ordered.netlist.blocks.len(), out.display());
         Ok(())
     }
 }

@@ -28,12 +28,7 @@ use std::{
 ///
 /// The language of patch files and six exercises are in patch-files/README.md.
 #[derive(Parser)]
-#[command(
-    name = "analog-proc",
-    version,
-    verbatim_doc_comment,
-    propagate_version = true
-)]
+#[command(name = "analog-proc", version, verbatim_doc_comment, propagate_version = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -68,9 +63,7 @@ struct PatchArgs {
 }
 
 fn parameter(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text
-        .split_once('=')
-        .ok_or("write NAME=VALUE, for example mu=5")?;
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, for example mu=5")?;
     match value.trim().parse::<f64>() {
         Ok(v) if v.is_finite() => Ok((name.trim().to_owned(), v)),
         _ => Err(format!("`{value}` is not a finite number")),
@@ -85,24 +78,15 @@ struct Failure {
 
 impl Failure {
     fn input(error: impl std::fmt::Display) -> Failure {
-        Failure {
-            code: BAD_INPUT,
-            text: error.to_string(),
-        }
+        Failure { code: BAD_INPUT, text: error.to_string() }
     }
 
     fn output(error: impl std::fmt::Display) -> Failure {
-        Failure {
-            code: OUTPUT_FAILED,
-            text: error.to_string(),
-        }
+        Failure { code: OUTPUT_FAILED, text: error.to_string() }
     }
 
     fn interrupted(text: String) -> Failure {
-        Failure {
-            code: INTERRUPTED,
-            text,
-        }
+        Failure { code: INTERRUPTED, text }
     }
 }
 

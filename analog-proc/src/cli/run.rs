@@ -104,10 +104,7 @@ impl Run {
             note!("remark: {remark}");
         }
         if advance.stopped_by.is_some() {
-            note!(
-                "the run ended at {} by the patch's overload policy",
-                advance.reached
-            );
+            note!("the run ended at {} by the patch's overload policy", advance.reached);
         }
         let s = simulation.statistics();
         let to_file = self.out.as_os_str() != "-";
@@ -143,9 +140,7 @@ impl Run {
                 blocks = netlist.blocks.iter().collect();
             }
             let nets = blocks.iter().flat_map(|b| &b.outputs);
-            return Ok(nets
-                .map(|id| (netlist.nets[id.index()].name.clone(), *id))
-                .collect());
+            return Ok(nets.map(|id| (netlist.nets[id.index()].name.clone(), *id)).collect());
         }
         let find = |name: &String| {
             netlist
@@ -164,9 +159,5 @@ impl Run {
 }
 
 fn go_on(wanted: bool) -> ControlFlow<()> {
-    if wanted {
-        ControlFlow::Continue(())
-    } else {
-        ControlFlow::Break(())
-    }
+    if wanted { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }

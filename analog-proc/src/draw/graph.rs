@@ -73,12 +73,7 @@ pub(super) fn build(ordered: &Ordered) -> Graph {
             port.is_tag = netlist.blocks.len() >= TAGS_FROM && span > LONGEST_WIRE;
         }
     }
-    Graph {
-        ports,
-        layer,
-        driver,
-        layers,
-    }
+    Graph { ports, layer, driver, layers }
 }
 
 fn ports(block: &Block, netlist: &Netlist) -> Vec<Port> {
@@ -86,28 +81,18 @@ fn ports(block: &Block, netlist: &Netlist) -> Vec<Port> {
         net,
         coefficient,
         role,
-        is_logic: netlist.blocks[netlist.nets[net].driver.index()]
-            .kind
-            .is_logic(),
+        is_logic: netlist.blocks[netlist.nets[net].driver.index()].kind.is_logic(),
         is_tag: false,
         is_back: false,
     };
-    let mut list: Vec<Port> = block
-        .inputs
-        .iter()
-        .map(|i| port(i.net.index(), i.coefficient, Role::Input))
-        .collect();
+    let mut list: Vec<Port> =
+        block.inputs.iter().map(|i| port(i.net.index(), i.coefficient, Role::Input)).collect();
     let mut side = |net: crate::net::NetId, coefficient: f64, name: &'static str| {
         list.push(port(net.index(), coefficient, Role::Side(name)));
     };
     use crate::net::Level::Net;
     match &block.kind {
-        Kind::Integrator {
-            operate,
-            reset,
-            reset_to,
-            ..
-        } => {
+        Kind::Integrator { operate, reset, reset_to, .. } => {
             if let Some(input) = reset_to {
                 side(input.net, input.coefficient, "IC");
             }
@@ -196,12 +181,8 @@ fn layers(ordered: &Ordered, driver: &[(usize, usize)], ports: &[Vec<Port>]) -> 
         }
     }
     let mut layer = vec![0usize; count];
-    let mut ready: Vec<usize> = ordered
-        .order
-        .iter()
-        .map(|b| b.index())
-        .filter(|b| waits[*b] == 0)
-        .collect();
+    let mut ready: Vec<usize> =
+        ordered.order.iter().map(|b| b.index()).filter(|b| waits[*b] == 0).collect();
     while let Some(node) = ready.pop() {
         for &to in &readers[node] {
             layer[to] = layer[to].max(layer[node] + 1);

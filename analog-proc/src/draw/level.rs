@@ -40,21 +40,10 @@ pub(super) fn heights(columns: &[Vec<usize>], layout: &mut Layout, links: &[Link
                         let is_block = matches!(layout.items[other].item, Item::Block(_));
                         let is_passage = matches!(layout.items[item].item, Item::Passage { .. });
                         // Straight wires first where a wire passes to a wire.
-                        let weight = if is_passage && !is_block {
-                            3.0 * weight
-                        } else {
-                            weight
-                        };
-                        sum = (
-                            sum.0 + weight * (layout.items[other].y + shift),
-                            sum.1 + weight,
-                        );
+                        let weight = if is_passage && !is_block { 3.0 * weight } else { weight };
+                        sum = (sum.0 + weight * (layout.items[other].y + shift), sum.1 + weight);
                     }
-                    if sum.1 > 0.0 {
-                        (sum.0 / sum.1, sum.1)
-                    } else {
-                        (layout.items[item].y, 0.05)
-                    }
+                    if sum.1 > 0.0 { (sum.0 / sum.1, sum.1) } else { (layout.items[item].y, 0.05) }
                 })
                 .collect();
             let gaps: Vec<f64> = column
@@ -209,11 +198,8 @@ fn push_out(
         let mut limit = y;
         for other in outer {
             let wanted = layout.items[other].y;
-            let moved = if is_below {
-                wanted.max(limit + PASSAGE)
-            } else {
-                wanted.min(limit - PASSAGE)
-            };
+            let moved =
+                if is_below { wanted.max(limit + PASSAGE) } else { wanted.min(limit - PASSAGE) };
             layout.items[other].y = moved;
             limit = moved;
         }

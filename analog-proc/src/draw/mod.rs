@@ -114,12 +114,7 @@ fn columns(graph: &Graph, netlist: &Netlist, layout: &Layout, routes: &Routes) -
             labels[layer] = f64::max(labels[layer], needed);
         }
     }
-    let mut out = Columns {
-        gap: Vec::new(),
-        column: Vec::new(),
-        width,
-        total: 0.0,
-    };
+    let mut out = Columns { gap: Vec::new(), column: Vec::new(), width, total: 0.0 };
     let mut x = BORDER;
     for layer in 0..=graph.layers {
         out.gap.push(x);
@@ -163,10 +158,7 @@ fn extent(item: Item, layout: &Layout) -> (f64, f64) {
     match item {
         Item::Block(block) => {
             let size = layout.sizes[block];
-            (
-                size.height / 2.0 + size.above,
-                size.height / 2.0 + size.below,
-            )
+            (size.height / 2.0 + size.above, size.height / 2.0 + size.below)
         }
         Item::Passage { .. } => (6.0, 6.0),
     }

@@ -69,13 +69,7 @@ pub(super) fn place(graph: &mut Graph, netlist: &Netlist) -> Layout {
     let mut index = HashMap::new();
     let mut add = |item: Item, layer: usize, above: f64, below: f64| {
         index.entry((layer, item)).or_insert_with(|| {
-            items.push(Placed {
-                item,
-                layer,
-                y: 0.0,
-                above,
-                below,
-            });
+            items.push(Placed { item, layer, y: 0.0, above, below });
             items.len() - 1
         });
     };
@@ -91,19 +85,10 @@ pub(super) fn place(graph: &mut Graph, netlist: &Netlist) -> Layout {
         for port in ports.iter().filter(|p| !p.is_tag) {
             let from = graph.layer[graph.driver[port.net].0];
             let to = graph.layer[block];
-            let passed = if port.is_back {
-                to..from + 1
-            } else {
-                from + 1..to
-            };
+            let passed = if port.is_back { to..from + 1 } else { from + 1..to };
             let (net, back) = (port.net, port.is_back);
             for layer in passed {
-                add(
-                    Item::Passage { net, back },
-                    layer,
-                    PASSAGE / 2.0,
-                    PASSAGE / 2.0,
-                );
+                add(Item::Passage { net, back }, layer, PASSAGE / 2.0, PASSAGE / 2.0);
             }
         }
     }
@@ -111,12 +96,7 @@ pub(super) fn place(graph: &mut Graph, netlist: &Netlist) -> Layout {
     for (at, item) in items.iter().enumerate() {
         columns[item.layer].push(at);
     }
-    let mut layout = Layout {
-        items,
-        index,
-        port_offsets: port_offsets(graph, &sizes),
-        sizes,
-    };
+    let mut layout = Layout { items, index, port_offsets: port_offsets(graph, &sizes), sizes };
     let links = links(graph, &layout);
     order(&mut columns, &layout, &links);
     sort_ports(graph, netlist, &columns, &layout);
@@ -135,9 +115,7 @@ fn port_offsets(graph: &Graph, sizes: &[Size]) -> Vec<Vec<f64>> {
         .map(|(ports, size)| {
             let pitch = symbol::PORT_PITCH.min(size.height / ports.len().max(1) as f64);
             let middle = (ports.len() as f64 - 1.0) / 2.0;
-            (0..ports.len())
-                .map(|i| (i as f64 - middle) * pitch)
-                .collect()
+            (0..ports.len()).map(|i| (i as f64 - middle) * pitch).collect()
         })
         .collect()
 }
@@ -150,13 +128,7 @@ fn links(graph: &Graph, layout: &Layout) -> Vec<Link> {
             if let (Some(a), Some(b)) = (a, b) {
                 links.insert(
                     (a, b, (b_offset * 10.0) as i64),
-                    Link {
-                        a,
-                        b,
-                        a_offset,
-                        b_offset,
-                        weight,
-                    },
+                    Link { a, b, a_offset, b_offset, weight },
                 );
             }
         };
@@ -194,11 +166,7 @@ fn links(graph: &Graph, layout: &Layout) -> Vec<Link> {
     }
     let mut list: Vec<Link> = links.into_values().collect();
     // From a map: put into an order that does not vary between runs.
-    list.sort_by(|p, q| {
-        (p.a, p.b)
-            .cmp(&(q.a, q.b))
-            .then(p.b_offset.total_cmp(&q.b_offset))
-    });
+    list.sort_by(|p, q| (p.a, p.b).cmp(&(q.a, q.b)).then(p.b_offset.total_cmp(&q.b_offset)));
     list
 }
 
@@ -225,11 +193,8 @@ fn order(columns: &mut [Vec<usize>], layout: &Layout, links: &[Link]) {
     let sweeps = if is_counted { SWEEPS } else { 4 };
     for sweep in 0..sweeps {
         let forward = sweep % 2 == 0;
-        let layers: Vec<usize> = if forward {
-            (0..columns.len()).collect()
-        } else {
-            (0..columns.len()).rev().collect()
-        };
+        let layers: Vec<usize> =
+            if forward { (0..columns.len()).collect() } else { (0..columns.len()).rev().collect() };
         for layer in layers {
             let wanted: HashMap<usize, f64> = columns[layer]
                 .iter()
@@ -237,20 +202,13 @@ fn order(columns: &mut [Vec<usize>], layout: &Layout, links: &[Link]) {
                     let mut sum = (0.0, 0.0);
                     for &(other, weight) in &neighbours[item] {
                         let other_layer = layout.items[other].layer;
-                        let is_fixed = if forward {
-                            other_layer <= layer
-                        } else {
-                            other_layer >= layer
-                        };
+                        let is_fixed =
+                            if forward { other_layer <= layer } else { other_layer >= layer };
                         if is_fixed {
                             sum = (sum.0 + weight * position[other], sum.1 + weight);
                         }
                     }
-                    let value = if sum.1 > 0.0 {
-                        sum.0 / sum.1
-                    } else {
-                        position[item]
-                    };
+                    let value = if sum.1 > 0.0 { sum.0 / sum.1 } else { position[item] };
                     (item, value)
                 })
                 .collect();
@@ -286,10 +244,7 @@ fn crossings(links: &[Link], layout: &Layout, position: &[f64]) -> f64 {
         if la > lb {
             std::mem::swap(&mut a, &mut b);
         }
-        between
-            .entry(la.min(lb))
-            .or_default()
-            .push((position[a], position[b]));
+        between.entry(la.min(lb)).or_default().push((position[a], position[b]));
     }
     for edges in between.values() {
         for (i, p) in edges.iter().enumerate() {
@@ -330,25 +285,17 @@ fn sort_ports(graph: &mut Graph, netlist: &Netlist, columns: &[Vec<usize>], layo
                 return at.map_or(0.0, |at| 1e3 * (position[*at] - position[here]).signum());
             }
             let before = layer.saturating_sub(1);
-            let source = layout.index.get(&(before, passage)).or_else(|| {
-                layout
-                    .index
-                    .get(&(before, Item::Block(graph.driver[net].0)))
-            });
+            let source = layout
+                .index
+                .get(&(before, passage))
+                .or_else(|| layout.index.get(&(before, Item::Block(graph.driver[net].0))));
             source.map_or(0.0, |at| position[*at])
         };
         let keys: Vec<f64> = graph.ports[block].iter().map(key).collect();
         let mut indices: Vec<usize> = (0..keys.len()).collect();
         let is_side = |i: usize| graph.ports[block][i].role != Role::Input;
-        indices.sort_by(|&a, &b| {
-            is_side(a)
-                .cmp(&is_side(b))
-                .then(keys[a].total_cmp(&keys[b]))
-        });
-        graph.ports[block] = indices
-            .into_iter()
-            .map(|i| graph.ports[block][i].clone())
-            .collect();
+        indices.sort_by(|&a, &b| is_side(a).cmp(&is_side(b)).then(keys[a].total_cmp(&keys[b])));
+        graph.ports[block] = indices.into_iter().map(|i| graph.ports[block][i].clone()).collect();
     }
 }
 

@@ -26,10 +26,7 @@ pub(super) struct Trunk {
 impl Trunk {
     pub(super) fn range(&self) -> (f64, f64) {
         let all = || self.left.iter().chain(&self.right).copied();
-        (
-            all().fold(f64::INFINITY, f64::min),
-            all().fold(f64::NEG_INFINITY, f64::max),
-        )
+        (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn is_straight(&self) -> bool {
@@ -80,11 +77,8 @@ pub(super) fn route(graph: &Graph, layout: &Layout) -> Routes {
 
 /// Gives the trunks of a gap their places; returns the width of the zone.
 fn arrange(gap: &mut BTreeMap<usize, Trunk>) -> f64 {
-    let mut bent: Vec<usize> = gap
-        .iter()
-        .filter(|(_, trunk)| !trunk.is_straight())
-        .map(|(net, _)| *net)
-        .collect();
+    let mut bent: Vec<usize> =
+        gap.iter().filter(|(_, trunk)| !trunk.is_straight()).map(|(net, _)| *net).collect();
     let cost = |a: usize, b: usize| left_of(&gap[&a], &gap[&b]);
     // Bubble neighbours into the cheaper order until nothing changes; the cap guards against ties in a ring.
     for _ in 0..bent.len().min(60) {

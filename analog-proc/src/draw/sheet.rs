@@ -55,12 +55,7 @@ impl Sheet<'_> {
             .set("role", "img")
             .add(Title::new(title.as_str()))
             .add(Style::new(STYLE))
-            .add(
-                Rectangle::new()
-                    .set("class", "paper")
-                    .set("width", "100%")
-                    .set("height", "100%"),
-            )
+            .add(Rectangle::new().set("class", "paper").set("width", "100%").set("height", "100%"))
             .add(text(BORDER, 36.0, "title", title))
             .add(text(BORDER, 54.0, "subtitle", &subtitle))
             .add(self.frames())
@@ -117,10 +112,7 @@ impl Sheet<'_> {
         for (block, ports) in self.graph.ports.iter().enumerate() {
             for (index, port) in ports.iter().enumerate().filter(|(_, p)| !p.is_tag) {
                 let (x, y) = self.port_place(block, index);
-                add(
-                    port.net,
-                    [self.trunk_x(self.graph.layer[block], port.net), y, x, y],
-                );
+                add(port.net, [self.trunk_x(self.graph.layer[block], port.net), y, x, y]);
                 if !std::mem::replace(&mut has_start[port.net], true) {
                     let (x, y) = self.output_place(port.net);
                     let layer = self.graph.layer[self.graph.driver[port.net].0];
@@ -192,11 +184,7 @@ impl Sheet<'_> {
                     round(x - 8.0),
                     round(y + 3.2)
                 );
-                group = group.add(
-                    Path::new()
-                        .set("class", format!("tip{logic}"))
-                        .set("d", tip),
-                );
+                group = group.add(Path::new().set("class", format!("tip{logic}")).set("d", tip));
                 let (tag, coefficient) = port_texts(port, self.netlist);
                 let mut right = x - 10.0;
                 if let Some(coefficient) = coefficient {
@@ -287,18 +275,13 @@ fn plural(count: usize) -> &'static str {
 }
 
 fn text(x: f64, y: f64, class: &str, content: &str) -> Text {
-    Text::new(content)
-        .set("class", class)
-        .set("x", round(x))
-        .set("y", round(y))
+    Text::new(content).set("class", class).set("x", round(x)).set("y", round(y))
 }
 
 /// Points at which three or more pieces of a net meet.
 fn junctions(pieces: &[[f64; 4]]) -> Vec<(f64, f64)> {
-    let mut points: Vec<(f64, f64)> = pieces
-        .iter()
-        .flat_map(|p| [(p[0], p[1]), (p[2], p[3])])
-        .collect();
+    let mut points: Vec<(f64, f64)> =
+        pieces.iter().flat_map(|p| [(p[0], p[1]), (p[2], p[3])]).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     points.dedup_by(|a, b| (a.0 - b.0).abs() < 0.5 && (a.1 - b.1).abs() < 0.5);
     points

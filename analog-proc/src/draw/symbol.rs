@@ -49,11 +49,7 @@ pub(super) fn size(block: &Block, ports: usize) -> Size {
     Size {
         width,
         height: f64::max(least, PORT_PITCH * ports as f64),
-        above: if caption(&block.kind).is_some() {
-            16.0
-        } else {
-            2.0
-        },
+        above: if caption(&block.kind).is_some() { 16.0 } else { 2.0 },
         below: 16.0,
         outputs,
     }
@@ -66,23 +62,13 @@ fn caption(kind: &Kind) -> Option<String> {
         Level::Net(_) => "·".to_owned(),
     };
     Some(match kind {
-        Kind::Integrator {
-            ic,
-            limits: Some([low, high]),
-            ..
-        } => format!("IC {}  [{}, {}]", number(*ic), number(*low), number(*high)),
+        Kind::Integrator { ic, limits: Some([low, high]), .. } => {
+            format!("IC {}  [{}, {}]", number(*ic), number(*low), number(*high))
+        }
         Kind::Integrator { ic, .. } => format!("IC {}", number(*ic)),
         Kind::Lag { tau, gain, ic } => {
-            let gain = if *gain == 1.0 {
-                String::new()
-            } else {
-                format!("K {}  ", number(*gain))
-            };
-            let ic = if *ic == 0.0 {
-                String::new()
-            } else {
-                format!("  IC {}", number(*ic))
-            };
+            let gain = if *gain == 1.0 { String::new() } else { format!("K {}  ", number(*gain)) };
+            let ic = if *ic == 0.0 { String::new() } else { format!("  IC {}", number(*ic)) };
             format!("{gain}τ {} s{ic}", number(*tau))
         }
         Kind::TransportDelay { delay, .. } => format!("T {} s", number(*delay)),
@@ -91,28 +77,18 @@ fn caption(kind: &Kind) -> Option<String> {
         Kind::RateLimiter { rate, .. } => format!("± {} /s", number(*rate)),
         Kind::Backlash { width, .. } => number(*width),
         Kind::DryFriction { level, .. } => number(*level),
-        Kind::Relay {
-            points, outputs, ..
-        } => format!(
+        Kind::Relay { points, outputs, .. } => format!(
             "at {}, {}: {} / {}",
             number(points[0]),
             number(points[1]),
             number(outputs[0]),
             number(outputs[1])
         ),
-        Kind::Comparator {
-            threshold,
-            hysteresis,
-        } if *hysteresis > 0.0 => {
+        Kind::Comparator { threshold, hysteresis } if *hysteresis > 0.0 => {
             format!("> {} ± {}", number(*threshold), number(hysteresis / 2.0))
         }
         Kind::Comparator { threshold, .. } => format!("> {}", number(*threshold)),
-        Kind::Generator {
-            wave,
-            amplitude,
-            frequency_hz,
-            ..
-        } => match wave {
+        Kind::Generator { wave, amplitude, frequency_hz, .. } => match wave {
             Wave::Step | Wave::Ramp => number(*amplitude),
             Wave::Sine | Wave::Square => {
                 format!("{}, {} Hz", number(*amplitude), number(*frequency_hz))
@@ -120,12 +96,9 @@ fn caption(kind: &Kind) -> Option<String> {
         },
         Kind::Noise { sigma, .. } => format!("σ {}", number(*sigma)),
         Kind::OneShot { width_s } => format!("{} s", number(*width_s)),
-        Kind::DigitalFunction {
-            x, first_channel, ..
-        } => format!(
-            "DCU {first_channel}–{}",
-            *first_channel as usize + x.len() - 1
-        ),
+        Kind::DigitalFunction { x, first_channel, .. } => {
+            format!("DCU {first_channel}–{}", *first_channel as usize + x.len() - 1)
+        }
         _ => return None,
     })
 }
@@ -174,11 +147,7 @@ fn body(pen: &mut Pen, kind: &Kind) {
         Kind::Integrator { .. } => {
             let back = -1.0 + 11.0 / pen.half_width;
             pen.outline("body", &[(back, -1.0), (1.0, 0.0), (back, 1.0)], true);
-            pen.outline(
-                "body",
-                &[(-1.0, -1.0), (back, -1.0), (back, 1.0), (-1.0, 1.0)],
-                true,
-            );
+            pen.outline("body", &[(-1.0, -1.0), (back, -1.0), (back, 1.0), (-1.0, 1.0)], true);
         }
         Kind::Summer => pen.triangle(),
         Kind::Inverter => {
@@ -237,14 +206,8 @@ fn body(pen: &mut Pen, kind: &Kind) {
         }
         Kind::RateLimiter { .. } => {
             pen.frame();
-            pen.curve(
-                "axis",
-                &[(-1.0, -0.7), (-0.7, -0.7), (-0.7, 0.7), (1.0, 0.7)],
-            );
-            pen.curve(
-                "plot",
-                &[(-1.0, -0.7), (-0.7, -0.7), (0.6, 0.7), (1.0, 0.7)],
-            );
+            pen.curve("axis", &[(-1.0, -0.7), (-0.7, -0.7), (-0.7, 0.7), (1.0, 0.7)]);
+            pen.curve("plot", &[(-1.0, -0.7), (-0.7, -0.7), (0.6, 0.7), (1.0, 0.7)]);
         }
         Kind::Backlash { .. } => {
             pen.characteristic(&[(-1.0, -0.7), (-0.4, -0.7), (1.0, 0.7)]);
@@ -282,22 +245,12 @@ fn body(pen: &mut Pen, kind: &Kind) {
             pen.frame();
             match wave {
                 Wave::Step => {
-                    pen.curve(
-                        "plot",
-                        &[(-1.0, -0.6), (-0.2, -0.6), (-0.2, 0.6), (1.0, 0.6)],
-                    );
+                    pen.curve("plot", &[(-1.0, -0.6), (-0.2, -0.6), (-0.2, 0.6), (1.0, 0.6)]);
                 }
                 Wave::Ramp => pen.curve("plot", &[(-1.0, -0.6), (-0.4, -0.6), (1.0, 0.7)]),
                 Wave::Square => pen.curve(
                     "plot",
-                    &[
-                        (-1.0, -0.6),
-                        (-1.0, 0.6),
-                        (0.0, 0.6),
-                        (0.0, -0.6),
-                        (1.0, -0.6),
-                        (1.0, 0.6),
-                    ],
+                    &[(-1.0, -0.6), (-1.0, 0.6), (0.0, 0.6), (0.0, -0.6), (1.0, -0.6), (1.0, 0.6)],
                 ),
                 Wave::Sine => {
                     let point = |i: i32| {
@@ -312,11 +265,8 @@ fn body(pen: &mut Pen, kind: &Kind) {
         Kind::Noise { .. } => {
             pen.frame();
             let heights = [0.1, -0.5, 0.7, -0.2, 0.3, -0.8, 0.9, -0.1, 0.4, -0.6, 0.2];
-            let points: Vec<(f64, f64)> = heights
-                .iter()
-                .enumerate()
-                .map(|(i, h)| (-1.0 + 0.2 * i as f64, *h))
-                .collect();
+            let points: Vec<(f64, f64)> =
+                heights.iter().enumerate().map(|(i, h)| (-1.0 + 0.2 * i as f64, *h)).collect();
             pen.curve("plot", &points);
         }
         Kind::And => gate(pen, false),
@@ -335,14 +285,7 @@ fn body(pen: &mut Pen, kind: &Kind) {
             pen.frame();
             pen.curve(
                 "plot",
-                &[
-                    (-1.0, -0.5),
-                    (-0.4, -0.5),
-                    (-0.4, 0.5),
-                    (0.4, 0.5),
-                    (0.4, -0.5),
-                    (1.0, -0.5),
-                ],
+                &[(-1.0, -0.5), (-0.4, -0.5), (-0.4, 0.5), (0.4, 0.5), (0.4, -0.5), (1.0, -0.5)],
             );
         }
         Kind::Counter { modulo: 0 } => pen.boxed("CTR"),

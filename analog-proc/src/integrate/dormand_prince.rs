@@ -55,13 +55,7 @@ pub(crate) struct DormandPrince {
 impl DormandPrince {
     pub fn new(states: usize) -> DormandPrince {
         let zeros = || vec![0.0; states];
-        DormandPrince {
-            k2: zeros(),
-            k3: zeros(),
-            k4: zeros(),
-            k5: zeros(),
-            k6: zeros(),
-        }
+        DormandPrince { k2: zeros(), k3: zeros(), k4: zeros(), k5: zeros(), k6: zeros() }
     }
 
     /// h·‖f(y₇) − f(y₆)‖ / ‖y₇ − y₆‖ of a step that has been made the past: its last two stages

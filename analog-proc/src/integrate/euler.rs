@@ -9,9 +9,7 @@ pub(super) fn attempt(system: System, step: &mut Step, nets: &mut [f64]) -> f64 
     }
     nets[..n].copy_from_slice(&step.y1);
     let end_s = step.t0_s + step.h_s;
-    system
-        .machine
-        .derivatives(system.frozen, end_s, nets, &mut step.f1);
+    system.machine.derivatives(system.frozen, end_s, nets, &mut step.f1);
     step.evaluations += 1;
     0.0
 }

@@ -6,10 +6,7 @@
 //! Hermite, plus a quartic term where the method supplies one (Dormand–Prince).
 //! Deciding about step lengths, events and stops belongs to the simulation.
 
-#![allow(
-    clippy::needless_range_loop,
-    reason = "the formulas index several arrays by one state"
-)]
+#![allow(clippy::needless_range_loop, reason = "the formulas index several arrays by one state")]
 
 mod dormand_prince;
 mod euler;

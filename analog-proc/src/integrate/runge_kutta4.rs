@@ -12,11 +12,7 @@ pub(crate) struct RungeKutta4 {
 impl RungeKutta4 {
     pub fn new(states: usize) -> RungeKutta4 {
         let zeros = || vec![0.0; states];
-        RungeKutta4 {
-            k2: zeros(),
-            k3: zeros(),
-            k4: zeros(),
-        }
+        RungeKutta4 { k2: zeros(), k3: zeros(), k4: zeros() }
     }
 
     pub fn attempt(&mut self, system: System, step: &mut Step, nets: &mut [f64]) -> f64 {

@@ -90,9 +90,7 @@ impl Sdirk4 {
         }
         // Stiffly accurate: the last stage is the result, and `nets` hold it.
         step.y1.copy_from_slice(&nets[..n]);
-        system
-            .machine
-            .derivatives(system.frozen, step.t0_s + h, nets, &mut step.f1);
+        system.machine.derivatives(system.frozen, step.t0_s + h, nets, &mut step.f1);
         step.evaluations += 1;
         // The stage derivative is free of the amplification of the iteration error by stiffness.
         step.f1.copy_from_slice(&self.k[STAGES - 1]);
@@ -127,19 +125,13 @@ impl Sdirk4 {
         for i in 0..n {
             let sum: f64 = (0..stage).map(|s| A[stage][s] * self.k[s][i]).sum();
             self.base[i] = step.y0[i] + h * sum;
-            let guess = if stage == 0 {
-                step.f0[i]
-            } else {
-                self.k[stage - 1][i]
-            };
+            let guess = if stage == 0 { step.f0[i] } else { self.k[stage - 1][i] };
             nets[i] = self.base[i] + h * GAMMA * guess;
         }
         let (_, lu) = self.lu.as_ref()?;
         let (mut last, mut rate) = (f64::INFINITY, 0.0);
         for iteration in 0..ITERATIONS {
-            system
-                .machine
-                .derivatives(system.frozen, t, nets, &mut self.scratch);
+            system.machine.derivatives(system.frozen, t, nets, &mut self.scratch);
             step.evaluations += 1;
             for i in 0..n {
                 self.residual[i] = self.base[i] + h * GAMMA * self.scratch[i] - nets[i];
@@ -164,11 +156,7 @@ impl Sdirk4 {
                     return None;
                 }
             }
-            let bound = if rate > 0.0 && rate < 1.0 {
-                rate / (1.0 - rate)
-            } else {
-                1.0
-            };
+            let bound = if rate > 0.0 && rate < 1.0 { rate / (1.0 - rate) } else { 1.0 };
             if size == 0.0
                 || (bound * size).max(if rate >= 1.0 { size } else { 0.0 }) <= STAGE_TOLERANCE
             {

@@ -29,11 +29,7 @@ impl Part {
     fn times(&self, inner: &Part) -> Part {
         let mut dcus = self.dcus.clone();
         dcus.extend_from_slice(&inner.dcus);
-        Part {
-            slot: inner.slot,
-            c: self.c * inner.c,
-            dcus,
-        }
+        Part { slot: inner.slot, c: self.c * inner.c, dcus }
     }
 }
 
@@ -72,11 +68,7 @@ impl Weights {
 
     fn scale(&mut self, place: Place, part: &Part) {
         if !part.dcus.is_empty() {
-            self.scaled.push(Scaled {
-                place,
-                base: part.c,
-                dcus: part.dcus.clone(),
-            });
+            self.scaled.push(Scaled { place, base: part.c, dcus: part.dcus.clone() });
         }
     }
 }
@@ -129,10 +121,7 @@ pub(crate) fn fold(ops: &[Op], terms: &[Term], rates: &[(u32, Vec<Term>)], slots
     let rows = rows.into_iter().map(|row| folding.row(row)).collect();
     let mut weights = Weights::default();
     let rows = Rows::build(rows, &mut weights);
-    let mut kernel = Kernel {
-        rows,
-        ..Kernel::default()
-    };
+    let mut kernel = Kernel { rows, ..Kernel::default() };
     // Readers come after what they read: backwards, so that a sum knows whether it was folded.
     let mut steps = Vec::new();
     for i in (0..ops.len()).rev() {
@@ -173,24 +162,14 @@ impl Folding<'_> {
         Some(match *op {
             Op::Sum1 { a, ca, .. } => vec![Part::plain(a, ca)],
             Op::Sum2 { a, b, ca, cb, .. } => vec![Part::plain(a, ca), Part::plain(b, cb)],
-            Op::Sum3 {
-                a,
-                b,
-                d,
-                ca,
-                cb,
-                cd,
-                ..
-            } => vec![Part::plain(a, ca), Part::plain(b, cb), Part::plain(d, cd)],
+            Op::Sum3 { a, b, d, ca, cb, cd, .. } => {
+                vec![Part::plain(a, ca), Part::plain(b, cb), Part::plain(d, cd)]
+            }
             Op::SumN { start, len, .. } => {
                 let terms = &self.terms[start as usize..(start + len) as usize];
                 terms.iter().map(|t| Part::plain(t.slot, t.c)).collect()
             }
-            Op::Dcu { dcu, a, c, .. } => vec![Part {
-                slot: a,
-                c,
-                dcus: vec![dcu],
-            }],
+            Op::Dcu { dcu, a, c, .. } => vec![Part { slot: a, c, dcus: vec![dcu] }],
             _ => return None,
         })
     }
@@ -275,20 +254,13 @@ impl Folding<'_> {
                         unreachable!("a product has two operands")
                     };
                     let both = part.times(a).times(b);
-                    let weighted = Part {
-                        slot: a.slot,
-                        ..both
-                    };
+                    let weighted = Part { slot: a.slot, ..both };
                     products.push((weighted, b.slot));
                 }
                 _ => linear.push(part),
             }
         }
-        Row {
-            state,
-            linear,
-            products,
-        }
+        Row { state, linear, products }
     }
 
     /// The one operand of a curve: two terms, where it is a sum of two that nothing else reads.
@@ -322,19 +294,10 @@ impl Folding<'_> {
                 let parts = self.one_or_two(i);
                 let a = parts[0].slot;
                 match parts.get(1) {
-                    Some(second) => Step::Curve2 {
-                        o,
-                        e,
-                        a,
-                        b: second.slot,
-                        w: weights.within(at, &parts),
-                    },
-                    None => Step::Curve1 {
-                        o,
-                        e,
-                        a,
-                        w: weights.within(at, &parts),
-                    },
+                    Some(second) => {
+                        Step::Curve2 { o, e, a, b: second.slot, w: weights.within(at, &parts) }
+                    }
+                    None => Step::Curve1 { o, e, a, w: weights.within(at, &parts) },
                 }
             }
             Op::DeadZone { o, e, w: width, .. } => {
@@ -349,13 +312,7 @@ impl Folding<'_> {
                         width,
                         w: weights.within(at, &parts),
                     },
-                    None => Step::DeadZone1 {
-                        o,
-                        e,
-                        a,
-                        width,
-                        w: weights.within(at, &parts),
-                    },
+                    None => Step::DeadZone1 { o, e, a, width, w: weights.within(at, &parts) },
                 }
             }
             Op::SinCos { o, .. } => {

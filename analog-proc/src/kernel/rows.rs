@@ -61,11 +61,7 @@ fn band(rows: &[Row]) -> Option<Band> {
         let i = *i as u32;
         row.state == first.state + i
             && row.linear.len() == terms
-            && row
-                .linear
-                .iter()
-                .zip(&first.linear)
-                .all(|(part, start)| part.slot == start.slot + i)
+            && row.linear.iter().zip(&first.linear).all(|(part, start)| part.slot == start.slot + i)
     };
     let length = rows.iter().enumerate().take_while(follows).count();
     let mut slots = [0; 3];

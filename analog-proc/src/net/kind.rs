@@ -333,17 +333,9 @@ impl Kind {
             Level::Fixed(_) => None,
         };
         match self {
-            Kind::Integrator {
-                operate,
-                reset,
-                reset_to,
-                ..
-            } => operate
-                .iter()
-                .chain(reset)
-                .copied()
-                .chain(reset_to.iter().map(|i| i.net))
-                .collect(),
+            Kind::Integrator { operate, reset, reset_to, .. } => {
+                operate.iter().chain(reset).copied().chain(reset_to.iter().map(|i| i.net)).collect()
+            }
             Kind::DeadZone { width } => level(width).into_iter().collect(),
             Kind::Limiter { low, high } => level(low).into_iter().chain(level(high)).collect(),
             Kind::Switch { control } => vec![*control],

@@ -38,11 +38,7 @@ fn root_of_cubic(low: Rated, high: Rated, h: f64) -> f64 {
             from = x;
         }
         let next = x - value / (d0 + x * (2.0 * c2 + x * 3.0 * c3));
-        let next = if next > from && next < to {
-            next
-        } else {
-            0.5 * (from + to)
-        };
+        let next = if next > from && next < to { next } else { 0.5 * (from + to) };
         if (next - x).abs() <= 4.0 * f64::EPSILON {
             return next;
         }
@@ -71,10 +67,7 @@ impl Engine {
         let sides = node.sides.iter().zip(&self.nodes[END].noise);
         for (margin, (side, noise)) in margins.iter_mut().zip(sides) {
             let is_noise = side.value > 0.0 && !is_beyond(*side, *noise);
-            *margin = Rated {
-                value: if is_noise { 0.0 } else { side.value },
-                rate: side.rate,
-            };
+            *margin = Rated { value: if is_noise { 0.0 } else { side.value }, rate: side.rate };
         }
     }
 
@@ -114,8 +107,7 @@ impl Engine {
         self.margins_at(low, &mut low_margins);
         self.margins_at(high, &mut high_margins);
         (self.margins_low, self.margins_high) = (low_margins, high_margins);
-        self.locate(low_s, high_s, h_s)
-            .unwrap_or(Ok(Ending::Failed))
+        self.locate(low_s, high_s, h_s).unwrap_or(Ok(Ending::Failed))
     }
 
     /// Locates the crossing between `low_s` and `high_s` on the dense output of a step of `h_s`
@@ -158,9 +150,9 @@ impl Engine {
                 first = first.or(Some(*e));
             }
         }
-        Some(Ok(first.map_or(Ending::Cut(located_s), |element| {
-            Ending::Crossed(located_s, element)
-        })))
+        Some(
+            Ok(first.map_or(Ending::Cut(located_s), |element| Ending::Crossed(located_s, element))),
+        )
     }
 
     /// The earliest crossing between `low_s` (`margins_low`) and `high_s` (`margins_high`) by the
@@ -170,10 +162,7 @@ impl Engine {
         let pairs = self.margins_low.iter().zip(&self.margins_high);
         let risen = pairs.filter(|(_, high)| high.value > 0.0);
         let places = risen.map(|(low, high)| {
-            let low = Rated {
-                value: low.value.min(0.0),
-                rate: low.rate,
-            };
+            let low = Rated { value: low.value.min(0.0), rate: low.rate };
             root_of_cubic(low, *high, h_s)
         });
         low_s + h_s * places.fold(1.0, f64::min)
@@ -183,9 +172,8 @@ impl Engine {
     /// crossed.
     fn is_level(&self) -> bool {
         let margins = self.margins_low.iter().zip(&self.margins_high);
-        let mut crossed = margins
-            .zip(&self.nodes[END].noise)
-            .filter(|((_, high), _)| high.value > 0.0);
+        let mut crossed =
+            margins.zip(&self.nodes[END].noise).filter(|((_, high), _)| high.value > 0.0);
         let level = |((low, high), noise): ((&Rated, &Rated), &f64)| {
             -low.value <= *noise && high.value <= *noise
         };
@@ -216,11 +204,7 @@ impl Engine {
                 let moved_s = (expected_s - former_s).abs();
                 let beyond_s = (BEYOND * moved_s).max(0.5 * width_s);
                 former_s = expected_s;
-                t_s = if was_crossed {
-                    expected_s - beyond_s
-                } else {
-                    expected_s + beyond_s
-                };
+                t_s = if was_crossed { expected_s - beyond_s } else { expected_s + beyond_s };
                 t_s = t_s.clamp(low_s + 0.5 * width_s, high_s - 0.5 * width_s);
             }
             if !(t_s > low_s && t_s < high_s) {

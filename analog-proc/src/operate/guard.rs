@@ -85,17 +85,10 @@ impl Engine {
             (None, None, Some(slot)) => ("derivative", slot),
             (None, None, None) => ("error estimate", self.step.worst),
         };
-        let block = machine
-            .block_of_slot
-            .get(slot)
-            .map_or_else(String::new, |b| machine.block_name(*b));
+        let block =
+            machine.block_of_slot.get(slot).map_or_else(String::new, |b| machine.block_name(*b));
         let net = machine.slot_name(slot as u32);
-        RunFault::NonFinite {
-            t_s: self.t_s,
-            block,
-            net,
-            what,
-        }
+        RunFault::NonFinite { t_s: self.t_s, block, net, what }
     }
 
     pub(super) fn underflow(&self, error: f64, step_s: f64) -> RunFault {
@@ -103,11 +96,7 @@ impl Engine {
             let state = self.step.worst;
             let block = self.machine.block_of_state.get(state);
             let block = block.map_or_else(String::new, |b| self.machine.block_name(*b));
-            RunFault::StepUnderflow {
-                t_s: self.t_s,
-                step_s,
-                block,
-            }
+            RunFault::StepUnderflow { t_s: self.t_s, step_s, block }
         } else {
             self.not_finite(&self.nets, &self.step.f1)
         }

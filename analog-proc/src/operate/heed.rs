@@ -42,11 +42,7 @@ impl<'a> Heed<'a> {
     /// For a patch of so many states, of which so many passes are done already.
     pub fn new(states: usize, passes: u64, attendant: &'a mut Attendant<'a>) -> Heed<'a> {
         let every = (WORK / states.max(LEAST_STATES)).max(LEAST_PASSES) as u64;
-        Heed {
-            attendant,
-            every,
-            due: passes.saturating_add(every),
-        }
+        Heed { attendant, every, due: passes.saturating_add(every) }
     }
 
     pub fn is_due(&self, passes: u64) -> bool {

@@ -39,17 +39,8 @@ impl Engine {
 
     /// The next instant that is known beforehand, s.
     pub(super) fn next_instant_s(&self) -> f64 {
-        let timers = self
-            .frozen
-            .timer_s
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
-        self.frozen
-            .lines
-            .iter()
-            .map(|line| line.next_s())
-            .fold(timers, f64::min)
+        let timers = self.frozen.timer_s.iter().copied().fold(f64::INFINITY, f64::min);
+        self.frozen.lines.iter().map(|line| line.next_s()).fold(timers, f64::min)
     }
 
     /// The next point of the fixed grid, a multiple of the step in whole ticks, s.

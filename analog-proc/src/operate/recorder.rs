@@ -36,14 +36,7 @@ impl<'a> Recorder<'a> {
             next += 1;
         }
         let values = vec![0.0; slots.len()];
-        Recorder {
-            every,
-            next,
-            slots,
-            values,
-            sink,
-            cut: None,
-        }
+        Recorder { every, next, slots, values, sink, cut: None }
     }
 
     /// Instant of the next row, s; never, once it is cut.

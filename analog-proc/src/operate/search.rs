@@ -62,13 +62,7 @@ enum Verdict {
 fn bernstein(a: Rated, b: Rated, h: f64) -> [f64; 5] {
     let (d0, d1) = (h * a.rate, h * b.rate);
     let middle = 0.5 * (a.value + b.value) + (d0 - d1) / 6.0;
-    [
-        a.value,
-        a.value + 0.25 * d0,
-        middle,
-        b.value - 0.25 * d1,
-        b.value,
-    ]
+    [a.value, a.value + 0.25 * d0, middle, b.value - 0.25 * d1, b.value]
 }
 
 /// A sixth of the third derivative of the cubic, times `h` cubed.
@@ -86,11 +80,7 @@ fn turn(a: Rated, b: Rated, h: f64) -> Option<f64> {
     // Of d0 + 2 c2 x + 3 c3 x²: the slope falls through the first of the zeros, rises through
     // the second.
     let q = -(c2 + root.copysign(c2));
-    let [falls, rises] = if c2 < 0.0 {
-        [d0 / q, q / (3.0 * c3)]
-    } else {
-        [q / (3.0 * c3), d0 / q]
-    };
+    let [falls, rises] = if c2 < 0.0 { [d0 / q, q / (3.0 * c3)] } else { [q / (3.0 * c3), d0 / q] };
     let within = |x: &f64| *x > 0.0 && *x < 1.0;
     let place = [falls, rises].into_iter().find(within)?;
     Some(place.clamp(LEAST_PART, 1.0 - LEAST_PART))
@@ -288,9 +278,7 @@ impl Engine {
                 // One of them is known: it was looked at this deep.
                 let known = [a, b].map(|node| &self.nodes[node]).into_iter();
                 let known = known.filter(|node| node.doubted);
-                known
-                    .map(|node| node.noise[i])
-                    .fold(f64::INFINITY, f64::min)
+                known.map(|node| node.noise[i]).fold(f64::INFINITY, f64::min)
             };
             let is_number = (inside + bulge).is_finite();
             let [at_start, at_end] = [a, b].map(|node| self.is_side_crossed(i, node));
@@ -303,11 +291,7 @@ impl Engine {
             }
             crossed = true;
         }
-        if crossed {
-            Verdict::Crossed
-        } else {
-            Verdict::Clear
-        }
+        if crossed { Verdict::Crossed } else { Verdict::Clear }
     }
 
     /// After a step was accepted, `cut` if it was not searched as it is now: its end is the
@@ -342,9 +326,6 @@ impl Engine {
         let side = self.active.first().map_or(0, |i| *i as usize);
         let element = self.machine.element_of_side[side];
         let (block, _) = self.machine.elements[element as usize];
-        RunFault::NotFollowed {
-            t_s: self.t_s,
-            block: self.machine.block_name(block),
-        }
+        RunFault::NotFollowed { t_s: self.t_s, block: self.machine.block_name(block) }
     }
 }

@@ -17,11 +17,7 @@ const FADED: f64 = 1e4;
 impl Engine {
     /// Takes the size of the states at the start or end of a step.
     pub(super) fn size_up(&mut self, at_start: bool) {
-        let y = if at_start {
-            &self.step.y0
-        } else {
-            &self.step.y1
-        };
+        let y = if at_start { &self.step.y0 } else { &self.step.y1 };
         let mut changed = at_start;
         let sizes = self.largest.iter_mut().zip(&mut self.turned);
         for ((largest, turned), y) in sizes.zip(y) {
@@ -42,20 +38,12 @@ impl Engine {
             let nets = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             self.greatest = self.greatest.max(nets);
         }
-        let floor = if self.greatest > 0.0 {
-            (FLOOR * self.greatest).min(1.0)
-        } else {
-            1.0
-        };
+        let floor = if self.greatest > 0.0 { (FLOOR * self.greatest).min(1.0) } else { 1.0 };
         let atol = self.integration.atol;
         let sizes = self.largest.iter().zip(&self.turned);
         let states = self.machine.scales.iter().zip(sizes);
         for (place, (scale, (largest, turned))) in self.atol.iter_mut().zip(states) {
-            let own = if *turned {
-                *largest
-            } else {
-                largest.max(floor)
-            };
+            let own = if *turned { *largest } else { largest.max(floor) };
             *place = atol * scale.unwrap_or(own);
         }
     }

@@ -37,18 +37,13 @@ impl Engine {
         };
         let (y0, f0) = (&self.step.y0, &self.step.f0);
         let (d0, d1) = (size(y0, y0, &self.atol), size(f0, y0, &self.atol));
-        let mut h0 = if d0 < 1e-5 || d1 < 1e-5 {
-            1e-6
-        } else {
-            0.01 * d0 / d1
-        };
+        let mut h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
         h0 = h0.min(cap_s);
         for i in 0..n {
             self.probe[i] = y0[i] + h0 * f0[i];
         }
         let t_s = self.t_s + h0;
-        self.machine
-            .derivatives(&self.frozen, t_s, &mut self.probe, &mut self.step.f1);
+        self.machine.derivatives(&self.frozen, t_s, &mut self.probe, &mut self.step.f1);
         self.step.evaluations += 1;
         for i in 0..n {
             self.step.f1[i] = (self.step.f1[i] - self.step.f0[i]) / h0;
@@ -61,43 +56,21 @@ impl Engine {
             libm::pow(0.01 / greatest, 1.0 / self.scheme.exponent())
         };
         let h = (100.0 * h0).min(h1).min(cap_s);
-        if h.is_finite() && h > 0.0 {
-            h
-        } else {
-            1e-6_f64.min(cap_s)
-        }
+        if h.is_finite() && h > 0.0 { h } else { 1e-6_f64.min(cap_s) }
     }
 
     fn cap_s(&self) -> f64 {
         let longest_s = self.machine.step_cap_s.min(self.paces.limit_s);
-        if self.scheme.adaptive() {
-            longest_s.min(self.integration.max_step_s)
-        } else {
-            longest_s
-        }
+        if self.scheme.adaptive() { longest_s.min(self.integration.max_step_s) } else { longest_s }
     }
 
     pub(super) fn attempt(&mut self, h_s: f64) -> f64 {
         for line in &mut self.frozen.lines {
             line.aim(self.t_s, h_s);
         }
-        let Engine {
-            machine,
-            frozen,
-            atol,
-            integration,
-            step,
-            nets,
-            scheme,
-            ..
-        } = self;
+        let Engine { machine, frozen, atol, integration, step, nets, scheme, .. } = self;
         step.t0_s = self.t_s;
-        let system = System {
-            machine,
-            frozen,
-            atol,
-            rtol: integration.rtol,
-        };
+        let system = System { machine, frozen, atol, rtol: integration.rtol };
         scheme.attempt(system, step, h_s, nets)
     }
 
@@ -120,11 +93,7 @@ impl Engine {
             return Err(self.too_quick());
         }
         let proposal_s = self.next_step_s.min(cap_s);
-        let mut h_s = if adaptive {
-            proposal_s.min(room_s)
-        } else {
-            room_s.min(cap_s)
-        };
+        let mut h_s = if adaptive { proposal_s.min(room_s) } else { room_s.min(cap_s) };
         if adaptive && proposal_s <= resolution_s(self.t_s) {
             return Err(self.underflow(1.0, proposal_s));
         }
@@ -158,11 +127,7 @@ impl Engine {
             h_s = shrink * h_s.min(step_s);
             self.next_step_s = h_s;
             if h_s <= resolution_s(self.t_s) {
-                return Err(if inaccurate {
-                    self.underflow(error, h_s)
-                } else {
-                    self.too_quick()
-                });
+                return Err(if inaccurate { self.underflow(error, h_s) } else { self.too_quick() });
             }
             end_s = self.end_of(h_s, target_s, room_s);
         };

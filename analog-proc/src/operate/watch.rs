@@ -57,8 +57,7 @@ impl Engine {
         }
         for op in &self.machine.watch {
             let (frozen, t_s) = (&self.frozen, self.t_s);
-            self.machine
-                .evaluate(op, frozen, t_s, &mut self.rated_start);
+            self.machine.evaluate(op, frozen, t_s, &mut self.rated_start);
         }
         self.rated[states..].copy_from_slice(&self.rated_start[states..]);
         self.followed = false;
@@ -80,11 +79,7 @@ impl Engine {
             let (y, x): (Rated, Rated) = (y.of(&self.rated_start), x.of(&self.rated_start));
             if y.value == 0.0 && x.value == 0.0 {
                 let moves = y.rate != 0.0 || x.rate != 0.0;
-                let angle = if moves {
-                    libm::atan2(y.rate, x.rate)
-                } else {
-                    0.0
-                };
+                let angle = if moves { libm::atan2(y.rate, x.rate) } else { 0.0 };
                 let place = &mut self.frozen.piece[e as usize].y0;
                 turned |= *place != angle;
                 *place = angle;
@@ -95,14 +90,12 @@ impl Engine {
 
     pub(super) fn look_at_paces(&mut self) {
         let (lines, t_s) = (&self.frozen.lines, self.t_s);
-        self.paces
-            .look(&self.machine, lines, t_s, &self.rated_start);
+        self.paces.look(&self.machine, lines, t_s, &self.rated_start);
     }
 
     fn rate_nets(&mut self, t_s: f64) {
         for op in &self.machine.watch {
-            self.machine
-                .evaluate(op, &self.frozen, t_s, &mut self.rated);
+            self.machine.evaluate(op, &self.frozen, t_s, &mut self.rated);
         }
     }
 
@@ -110,20 +103,14 @@ impl Engine {
     pub(super) fn rate_end(&mut self) {
         let ends = self.step.y1.iter().zip(&self.step.f1);
         for (rated, (y, f)) in self.rated.iter_mut().zip(ends) {
-            *rated = Rated {
-                value: *y,
-                rate: *f,
-            };
+            *rated = Rated { value: *y, rate: *f };
         }
         self.rate_nets(self.step.t0_s + self.step.h_s);
     }
 
     /// Brings `rated` to the place `theta` of the step.
     pub(super) fn rate_at(&mut self, theta: f64) {
-        let moving = Rated {
-            value: theta,
-            rate: 1.0 / self.step.h_s,
-        };
+        let moving = Rated { value: theta, rate: 1.0 / self.step.h_s };
         self.step.dense(moving, &mut self.rated);
         self.step.evaluations += 1;
         self.rate_nets(self.step.t0_s + theta * self.step.h_s);
@@ -134,12 +121,7 @@ impl Engine {
         let node = &mut self.nodes[node];
         node.theta = theta;
         node.doubted = false;
-        sides(
-            &self.machine,
-            &self.frozen.region,
-            &self.rated,
-            &mut node.sides,
-        );
+        sides(&self.machine, &self.frozen.region, &self.rated, &mut node.sides);
     }
 
     /// What rounding alone can have made of the sides of a node, while `rated` holds the nets
@@ -153,22 +135,14 @@ impl Engine {
         sides(&self.machine, region, &self.doubted, doubts);
         let noise = &mut self.nodes[node].noise;
         for (noise, side) in noise.iter_mut().zip(doubts) {
-            *noise = if side.doubt.is_finite() {
-                side.doubt
-            } else {
-                0.0
-            };
+            *noise = if side.doubt.is_finite() { side.doubt } else { 0.0 };
         }
     }
 
     /// What rounding leaves undecided of the nets that `rated` holds, at the place `theta` of
     /// the step (of those that `rated_start` holds, `at_start`).
     pub(super) fn doubt(&mut self, at_start: bool, theta: f64) {
-        let nets = if at_start {
-            &self.rated_start
-        } else {
-            &self.rated
-        };
+        let nets = if at_start { &self.rated_start } else { &self.rated };
         for (doubted, rated) in self.doubted.iter_mut().zip(nets) {
             *doubted = Doubted::constant(rated.value);
         }
@@ -177,8 +151,7 @@ impl Engine {
         }
         let t_s = self.step.t0_s + theta * self.step.h_s;
         for op in &self.machine.watch {
-            self.machine
-                .evaluate(op, &self.frozen, t_s, &mut self.doubted);
+            self.machine.evaluate(op, &self.frozen, t_s, &mut self.doubted);
         }
     }
 

@@ -22,36 +22,25 @@ pub const MOST_FILES: usize = 1000;
 /// # Errors
 /// The root file cannot be read, or one of the files is not UTF-8 text.
 pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchFaults> {
-    let root = path.file_name().map_or_else(
-        || path.display().to_string(),
-        |n| n.to_string_lossy().into(),
-    );
+    let root =
+        path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into());
     let folder = path.parent().map(PathBuf::from).unwrap_or_default();
-    let mut bundle = PatchBundle {
-        root: root.clone(),
-        files: Vec::new(),
-    };
+    let mut bundle = PatchBundle { root: root.clone(), files: Vec::new() };
     let mut waiting = vec![root.clone()];
     while let Some(name) = waiting.pop() {
         if bundle.files.iter().any(|(known, _)| *known == name) || bundle.files.len() >= MOST_FILES
         {
             continue;
         }
-        let at = if name == root {
-            path.to_owned()
-        } else {
-            folder.join(&name)
-        };
+        let at = if name == root { path.to_owned() } else { folder.join(&name) };
         let bytes = match user_file::read(&at, LONGEST_FILE) {
             Ok(bytes) => bytes,
             Err(why) if name == root => return Err(unreadable(&root, &at, why.to_string())),
             Err(_) => continue,
         };
         let text = String::from_utf8(bytes).map_err(|error| not_utf8(&root, &name, &error))?;
-        let mut used: Vec<String> = used_paths(&text)
-            .iter()
-            .filter_map(|used| join(&name, used))
-            .collect();
+        let mut used: Vec<String> =
+            used_paths(&text).iter().filter_map(|used| join(&name, used)).collect();
         used.reverse();
         waiting.append(&mut used);
         bundle.files.push((name, text));

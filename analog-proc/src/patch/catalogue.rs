@@ -38,19 +38,11 @@ impl Arity {
 }
 
 const fn exactly(count: usize, roles: &'static str) -> Arity {
-    Arity {
-        least: count,
-        most: Some(count),
-        roles,
-    }
+    Arity { least: count, most: Some(count), roles }
 }
 
 const fn at_least(least: usize) -> Arity {
-    Arity {
-        least,
-        most: None,
-        roles: "",
-    }
+    Arity { least, most: None, roles: "" }
 }
 
 const KINDS: &[(&str, Arity)] = &[
@@ -95,14 +87,7 @@ const KINDS: &[(&str, Arity)] = &[
     ("not", exactly(1, "")),
     ("flip-flop", exactly(2, " (set, reset)")),
     ("one-shot", exactly(1, "")),
-    (
-        "counter",
-        Arity {
-            least: 1,
-            most: Some(2),
-            roles: " (clock, reset)",
-        },
-    ),
+    ("counter", Arity { least: 1, most: Some(2), roles: " (clock, reset)" }),
     ("sense", exactly(1, "")),
     ("control", exactly(0, "")),
     ("interrupt", exactly(1, "")),
@@ -117,8 +102,5 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
 
 /// Inputs of a kind; `None` for a word that is not a kind.
 pub(crate) fn arity(kind: &str) -> Option<Arity> {
-    KINDS
-        .iter()
-        .find(|(name, _)| *name == kind)
-        .map(|(_, arity)| *arity)
+    KINDS.iter().find(|(name, _)| *name == kind).map(|(_, arity)| *arity)
 }

@@ -106,10 +106,7 @@ impl<'a> Cursor<'a> {
                 }
                 let range = start..self.at;
                 match self.text[range.clone()].parse::<f64>() {
-                    Ok(number) => Ok(Factor {
-                        value: FactorValue::Number(number),
-                        range,
-                    }),
+                    Ok(number) => Ok(Factor { value: FactorValue::Number(number), range }),
                     Err(_) => Err(ProductError {
                         range,
                         why: "this is not a number",
@@ -120,10 +117,7 @@ impl<'a> Cursor<'a> {
             Some(c) if c.is_ascii_alphabetic() || c == '_' => {
                 self.take_while(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
                 let range = start..self.at;
-                Ok(Factor {
-                    value: FactorValue::Name(&self.text[range.clone()]),
-                    range,
-                })
+                Ok(Factor { value: FactorValue::Name(&self.text[range.clone()]), range })
             }
             _ => Err(self.unexpected()),
         }
@@ -134,10 +128,9 @@ impl<'a> Cursor<'a> {
         let range = self.at..self.at + next.map_or(0, char::len_utf8);
         let (why, help) = match next {
             None => ("a factor is missing", SHAPE),
-            Some('+') => (
-                "`+` has no place in a product",
-                "a sum is a list of inputs: in = [\"a\", \"b\"]",
-            ),
+            Some('+') => {
+                ("`+` has no place in a product", "a sum is a list of inputs: in = [\"a\", \"b\"]")
+            }
             Some('-') => (
                 "a minus may only stand at the front",
                 "a sum is a list of inputs: in = [\"a\", \"-b\"]; a product takes one leading minus",
@@ -146,10 +139,9 @@ impl<'a> Cursor<'a> {
                 "`/` has no place in a product",
                 "multiply by the reciprocal, or use a `divider` block for two nets",
             ),
-            Some('(' | ')') => (
-                "parentheses have no place in a product",
-                "let another block make the inner sum",
-            ),
+            Some('(' | ')') => {
+                ("parentheses have no place in a product", "let another block make the inner sum")
+            }
             Some(_) => ("this is not a product", SHAPE),
         };
         ProductError { range, why, help }
@@ -162,10 +154,7 @@ mod tests {
 
     fn names(text: &str) -> (bool, Vec<FactorValue<'_>>) {
         let product = parse(text).unwrap();
-        (
-            product.negative,
-            product.factors.iter().map(|f| f.value).collect(),
-        )
+        (product.negative, product.factors.iter().map(|f| f.value).collect())
     }
 
     #[test]
@@ -173,10 +162,7 @@ mod tests {
         use FactorValue::{Name, Number};
         assert_eq!(names("x"), (false, vec![Name("x")]));
         assert_eq!(names("-gyro.out"), (true, vec![Name("gyro.out")]));
-        assert_eq!(
-            names(" -1e-3*k *x "),
-            (true, vec![Number(1e-3), Name("k"), Name("x")])
-        );
+        assert_eq!(names(" -1e-3*k *x "), (true, vec![Number(1e-3), Name("k"), Name("x")]));
         assert_eq!(names(".5"), (false, vec![Number(0.5)]));
     }
 

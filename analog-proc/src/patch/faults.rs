@@ -31,9 +31,7 @@ impl Sources {
         if files.is_empty() {
             files.push(Arc::new(NamedSource::new(&bundle.root, String::new())));
         }
-        Sources {
-            files: files.into(),
-        }
+        Sources { files: files.into() }
     }
 
     /// Name of a file.
@@ -51,8 +49,7 @@ impl Sources {
     #[must_use]
     pub fn text(&self, span: Span) -> &str {
         let text = self.source(span.file).inner();
-        text.get(span.start as usize..span.end as usize)
-            .unwrap_or("")
+        text.get(span.start as usize..span.end as usize).unwrap_or("")
     }
 
     /// Source and byte range, cut to the text, as diagnostics want them.
@@ -74,14 +71,9 @@ impl Sources {
 
 fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let before = &text.as_bytes()[..offset.min(text.len())];
-    let line_start = before
-        .iter()
-        .rposition(|b| *b == b'\n')
-        .map_or(0, |at| at + 1);
+    let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-    let column = 1 + String::from_utf8_lossy(&before[line_start..])
-        .chars()
-        .count();
+    let column = 1 + String::from_utf8_lossy(&before[line_start..]).chars().count();
     (line, column)
 }
 
@@ -149,11 +141,7 @@ impl Faults {
         let root = self.root.clone();
         match self.into_result() {
             Err(faults) => faults,
-            Ok(()) => PatchFaults {
-                root,
-                faults: Vec::new(),
-                omitted: 0,
-            },
+            Ok(()) => PatchFaults { root, faults: Vec::new(), omitted: 0 },
         }
     }
 
@@ -162,23 +150,13 @@ impl Faults {
         if self.list.is_empty() {
             return Ok(());
         }
-        let files: Vec<String> = self
-            .sources
-            .files
-            .iter()
-            .map(|s| s.name().to_owned())
-            .collect();
+        let files: Vec<String> = self.sources.files.iter().map(|s| s.name().to_owned()).collect();
         let file_index = |fault: &PatchFault| {
             let name = fault.place().0.name();
             files.iter().position(|f| f == name).unwrap_or(files.len())
         };
-        self.list
-            .sort_by_cached_key(|fault| (file_index(fault), fault.place().1.offset()));
-        Err(PatchFaults {
-            root: self.root,
-            faults: self.list,
-            omitted: self.omitted,
-        })
+        self.list.sort_by_cached_key(|fault| (file_index(fault), fault.place().1.offset()));
+        Err(PatchFaults { root: self.root, faults: self.list, omitted: self.omitted })
     }
 }
 
@@ -210,11 +188,7 @@ pub struct PatchFaults {
 impl PatchFaults {
     /// A single fault, where nothing else can be looked at.
     pub(crate) fn single(root: &str, fault: PatchFault) -> Self {
-        PatchFaults {
-            root: root.to_owned(),
-            faults: vec![fault],
-            omitted: 0,
-        }
+        PatchFaults { root: root.to_owned(), faults: vec![fault], omitted: 0 }
     }
 
     /// The faults, in order of file and place.
@@ -285,9 +259,7 @@ impl std::error::Error for PatchFaults {}
 
 impl Diagnostic for PatchFaults {
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        Some(Box::new(
-            self.faults.iter().map(|fault| fault as &dyn Diagnostic),
-        ))
+        Some(Box::new(self.faults.iter().map(|fault| fault as &dyn Diagnostic)))
     }
 }
 

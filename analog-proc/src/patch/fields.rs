@@ -30,14 +30,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         at: Span,
         entries: &'r [Entry],
     ) -> Self {
-        Fields {
-            resolver,
-            scope,
-            owner: owner.to_owned(),
-            at,
-            entries,
-            asked: Vec::new(),
-        }
+        Fields { resolver, scope, owner: owner.to_owned(), at, entries, asked: Vec::new() }
     }
 
     /// The field, if it is there.
@@ -62,15 +55,13 @@ impl<'r, 'a> Fields<'r, 'a> {
 
     pub(crate) fn missing(&mut self, key: &str, example: &str) {
         let owner = format!("`{}`", self.owner);
-        self.resolver
-            .faults
-            .push(self.at, |src, at| PatchFault::MissingField {
-                src,
-                at,
-                owner,
-                field: key.to_owned(),
-                help: format!("add {key} = {example}"),
-            });
+        self.resolver.faults.push(self.at, |src, at| PatchFault::MissingField {
+            src,
+            at,
+            owner,
+            field: key.to_owned(),
+            help: format!("add {key} = {example}"),
+        });
     }
 
     /// A number; without a default it must be there.
@@ -167,10 +158,7 @@ impl<'r, 'a> Fields<'r, 'a> {
             None => self.required(key, "0"),
         };
         let Some(entry) = entry else { return default };
-        if let Data::Number {
-            integer: Some(integer),
-            ..
-        } = entry.value.data
+        if let Data::Number { integer: Some(integer), .. } = entry.value.data
             && let Ok(whole) = u64::try_from(integer)
         {
             return Some(whole);
@@ -198,11 +186,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         if first >= 0.0 && first.fract() == 0.0 && last_used < f64::from(count) {
             return Some(first as u32);
         }
-        let number = if first >= 0.0 && first.fract() == 0.0 {
-            last_used
-        } else {
-            first
-        };
+        let number = if first >= 0.0 && first.fract() == 0.0 { last_used } else { first };
         self.fault_at(key, |src, at| PatchFault::ChannelOutOfRange {
             src,
             at,
@@ -276,15 +260,13 @@ impl<'r, 'a> Fields<'r, 'a> {
                 continue;
             }
             let help = suggestion(&entry.key, "its fields", self.asked.iter().copied());
-            self.resolver
-                .faults
-                .push(entry.key_span, |src, at| PatchFault::UnknownKey {
-                    src,
-                    at,
-                    key: entry.key.clone(),
-                    owner: owner.to_owned(),
-                    help,
-                });
+            self.resolver.faults.push(entry.key_span, |src, at| PatchFault::UnknownKey {
+                src,
+                at,
+                key: entry.key.clone(),
+                owner: owner.to_owned(),
+                help,
+            });
         }
     }
 }

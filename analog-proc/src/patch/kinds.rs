@@ -30,12 +30,8 @@ pub(crate) fn build(kind: &str, f: &mut Fields<'_, '_>) -> Option<Kind> {
         "or" => Kind::Or,
         "not" => Kind::Not,
         "time" => Kind::Time,
-        "gain" => Kind::Gain {
-            k: f.number("k", None)?,
-        },
-        "constant" => Kind::Constant {
-            value: f.number("value", None)?,
-        },
+        "gain" => Kind::Gain { k: f.number("k", None)? },
+        "constant" => Kind::Constant { value: f.number("value", None)? },
         "pot" => pot(f)?,
         "dcu" | "mdac" | "dac" | "adc" => converter(kind, f)?,
         "function" => function(f)?,
@@ -46,78 +42,47 @@ pub(crate) fn build(kind: &str, f: &mut Fields<'_, '_>) -> Option<Kind> {
             let rate = f.positive("rate", None);
             let tau = f.positive("tau", Some(1e-3));
             let ic = f.number("ic", Some(0.0));
-            Kind::RateLimiter {
-                rate: rate?,
-                tau: tau?,
-                ic: ic?,
-            }
+            Kind::RateLimiter { rate: rate?, tau: tau?, ic: ic? }
         }
         "backlash" => {
             let width = f.positive("width", None);
             let tau = f.positive("tau", Some(1e-3));
             let ic = f.number("ic", Some(0.0));
-            Kind::Backlash {
-                width: width?,
-                tau: tau?,
-                ic: ic?,
-            }
+            Kind::Backlash { width: width?, tau: tau?, ic: ic? }
         }
         "dry-friction" => dry_friction(f)?,
         "relay" => relay(f)?,
         "comparator" => {
             let threshold = f.number("threshold", Some(0.0));
             let hysteresis = f.ranged("hysteresis", Some(0.0), "0 or greater", |v| v >= 0.0);
-            Kind::Comparator {
-                threshold: threshold?,
-                hysteresis: hysteresis?,
-            }
+            Kind::Comparator { threshold: threshold?, hysteresis: hysteresis? }
         }
-        "switch" => Kind::Switch {
-            control: f.net("control")?,
-        },
+        "switch" => Kind::Switch { control: f.net("control")? },
         "track-store" => {
             let track = f.net("track");
             let ic = f.number("ic", Some(0.0));
-            Kind::TrackStore {
-                track: track?,
-                ic: ic?,
-            }
+            Kind::TrackStore { track: track?, ic: ic? }
         }
         "transport-delay" => {
             let delay = f.positive("delay", None);
             let initial = f.number("initial", Some(0.0));
-            Kind::TransportDelay {
-                delay: delay?,
-                initial: initial?,
-            }
+            Kind::TransportDelay { delay: delay?, initial: initial? }
         }
         "lag" => {
             let tau = f.positive("tau", None);
             let gain = f.number("gain", Some(1.0));
             let ic = f.number("ic", Some(0.0));
-            Kind::Lag {
-                tau: tau?,
-                gain: gain?,
-                ic: ic?,
-            }
+            Kind::Lag { tau: tau?, gain: gain?, ic: ic? }
         }
         "signal-generator" => generator(f)?,
         "noise" => {
             let sigma = f.ranged("sigma", Some(1.0), "0 or greater", |v| v >= 0.0);
             let every_s = f.positive("every", None);
             let seed = f.whole("seed", Some(0));
-            Kind::Noise {
-                sigma: sigma?,
-                every_s: every_s?,
-                seed: seed?,
-            }
+            Kind::Noise { sigma: sigma?, every_s: every_s?, seed: seed? }
         }
-        "flip-flop" => Kind::FlipFlop {
-            initial: f.flag("initial", false)?,
-        },
-        "one-shot" => Kind::OneShot {
-            width_s: f.positive("width", None)?,
-        },
+        "flip-flop" => Kind::FlipFlop { initial: f.flag("initial", false)? },
+        "one-shot" => Kind::OneShot { width_s: f.positive("width", None)? },
         "counter" => {
             let modulo = f.whole("modulo", Some(0))?;
             let Ok(modulo) = u32::try_from(modulo) else {
@@ -126,19 +91,14 @@ pub(crate) fn build(kind: &str, f: &mut Fields<'_, '_>) -> Option<Kind> {
             };
             Kind::Counter { modulo }
         }
-        "sense" => Kind::Sense {
-            line: f.channel("line", "sense line", SENSE_LINES, 1)?,
-        },
-        "interrupt" => Kind::Interrupt {
-            line: f.channel("line", "interrupt line", INTERRUPT_LINES, 1)?,
-        },
+        "sense" => Kind::Sense { line: f.channel("line", "sense line", SENSE_LINES, 1)? },
+        "interrupt" => {
+            Kind::Interrupt { line: f.channel("line", "interrupt line", INTERRUPT_LINES, 1)? }
+        }
         "control" => {
             let line = f.channel("line", "control line", CONTROL_LINES, 1);
             let initial = f.flag("initial", false);
-            Kind::Control {
-                line: line?,
-                initial: initial?,
-            }
+            Kind::Control { line: line?, initial: initial? }
         }
         _ => return None,
     })
@@ -171,13 +131,7 @@ fn integrator(f: &mut Fields<'_, '_>) -> Option<Kind> {
             return None;
         }
     }
-    Some(Kind::Integrator {
-        ic,
-        limits,
-        operate: operate?,
-        reset: reset?,
-        reset_to: reset_to?,
-    })
+    Some(Kind::Integrator { ic, limits, operate: operate?, reset: reset?, reset_to: reset_to? })
 }
 
 /// Whether a pair of limits is the right way round; told if not.
@@ -224,18 +178,10 @@ fn converter(kind: &str, f: &mut Fields<'_, '_>) -> Option<Kind> {
     }
     let initial = f.number("initial", Some(0.0));
     // Left out, a DCU has its profile's range.
-    let range = if kind == "dcu" {
-        f.positive("range", Some(f64::INFINITY))
-    } else {
-        None
-    };
+    let range = if kind == "dcu" { f.positive("range", Some(f64::INFINITY)) } else { None };
     let (channel, initial) = (channel?, initial?);
     Some(match kind {
-        "dcu" => Kind::Dcu {
-            channel,
-            initial,
-            range: Some(range?).filter(|r| r.is_finite()),
-        },
+        "dcu" => Kind::Dcu { channel, initial, range: Some(range?).filter(|r| r.is_finite()) },
         "mdac" => Kind::Mdac { channel, initial },
         _ => Kind::Dac { channel, initial },
     })
@@ -257,11 +203,7 @@ fn function_2d(f: &mut Fields<'_, '_>) -> Option<Kind> {
     let y = f.breakpoints("y");
     let size = x.as_ref().zip(y.as_ref()).map(|(x, y)| (x.len(), y.len()));
     let z = f.grid("z", size);
-    Some(Kind::Function2d {
-        x: x?,
-        y: y?,
-        z: z?,
-    })
+    Some(Kind::Function2d { x: x?, y: y?, z: z? })
 }
 
 fn digital_function(f: &mut Fields<'_, '_>) -> Option<Kind> {
@@ -276,18 +218,10 @@ fn digital_function(f: &mut Fields<'_, '_>) -> Option<Kind> {
     let x = x?;
     let initial = initial.unwrap_or_else(|| vec![0.0; x.len()]);
     if initial.len() != x.len() {
-        f.table_size(
-            "initial",
-            initial.len(),
-            format!("{} (one for each x)", x.len()),
-        );
+        f.table_size("initial", initial.len(), format!("{} (one for each x)", x.len()));
         return None;
     }
-    Some(Kind::DigitalFunction {
-        x,
-        first_channel: first_channel?,
-        initial,
-    })
+    Some(Kind::DigitalFunction { x, first_channel: first_channel?, initial })
 }
 
 fn levels(kind: &str, f: &mut Fields<'_, '_>) -> Option<Kind> {
@@ -334,10 +268,9 @@ fn levels(kind: &str, f: &mut Fields<'_, '_>) -> Option<Kind> {
         return None;
     };
     Some(match f.level("limit", &entry.value, "high")? {
-        Level::Fixed(value) if value > 0.0 => Kind::Limiter {
-            low: Level::Fixed(-value),
-            high: Level::Fixed(value),
-        },
+        Level::Fixed(value) if value > 0.0 => {
+            Kind::Limiter { low: Level::Fixed(-value), high: Level::Fixed(value) }
+        }
         Level::Fixed(value) => {
             f.out_of_range("limit", value, "greater than 0");
             return None;
@@ -368,11 +301,7 @@ fn relay(f: &mut Fields<'_, '_>) -> Option<Kind> {
     if points[0] > points[1] && !ordered("points", points[0], points[1], f) {
         return None;
     }
-    Some(Kind::Relay {
-        points,
-        outputs: outputs?,
-        initially_on: initially_on?,
-    })
+    Some(Kind::Relay { points, outputs: outputs?, initially_on: initially_on? })
 }
 
 fn generator(f: &mut Fields<'_, '_>) -> Option<Kind> {

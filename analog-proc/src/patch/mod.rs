@@ -44,9 +44,7 @@ pub fn compile(bundle: &PatchBundle, params: &[(String, f64)]) -> Result<Ordered
     let mut faults = Faults::new(sources.clone(), &bundle.root);
     let mut names: HashMap<&str, u32> = HashMap::new();
     for (index, (name, _)) in bundle.files.iter().take(MOST_FILES).enumerate() {
-        names
-            .entry(name.as_str())
-            .or_insert(u32::try_from(index).unwrap_or(u32::MAX));
+        names.entry(name.as_str()).or_insert(u32::try_from(index).unwrap_or(u32::MAX));
     }
     let Some(&root) = names.get(bundle.root.as_str()) else {
         faults.push(Span::default(), |src, at| PatchFault::MissingFile {
@@ -76,10 +74,7 @@ fn parse_reachable(
     root: u32,
     faults: &mut Faults,
 ) -> Vec<text::PatchText> {
-    let empty = text::PatchText {
-        is_toml: true,
-        ..text::PatchText::default()
-    };
+    let empty = text::PatchText { is_toml: true, ..text::PatchText::default() };
     let mut texts = vec![empty; bundle.files.len()];
     let mut is_read = vec![false; bundle.files.len()];
     let mut waiting = vec![root];

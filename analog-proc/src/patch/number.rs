@@ -56,22 +56,15 @@ pub(crate) fn part_of(
     whole: Span,
     content: &str,
 ) -> impl Fn(std::ops::Range<usize>) -> Span + use<> {
-    let is_plain = faults
-        .sources
-        .text(whole)
-        .get(1..)
-        .is_some_and(|text| text.starts_with(content));
+    let is_plain =
+        faults.sources.text(whole).get(1..).is_some_and(|text| text.starts_with(content));
     let length = content.len();
     move |range| {
         if !is_plain || range.end > length {
             return whole;
         }
         let offset = |i: usize| whole.start + 1 + u32::try_from(i).unwrap_or(0);
-        Span {
-            file: whole.file,
-            start: offset(range.start),
-            end: offset(range.end),
-        }
+        Span { file: whole.file, start: offset(range.start), end: offset(range.end) }
     }
 }
 

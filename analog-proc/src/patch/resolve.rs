@@ -71,14 +71,7 @@ pub(crate) fn resolve(
         name.trim_end_matches(".toml").to_owned()
     });
     Some(Draft {
-        netlist: Netlist {
-            title,
-            blocks,
-            nets: resolver.nets,
-            integration,
-            expected,
-            params,
-        },
+        netlist: Netlist { title, blocks, nets: resolver.nets, integration, expected, params },
         broken,
         notes,
     })
@@ -122,9 +115,7 @@ impl<'a> Resolver<'a> {
         for index in 0..resolver.instances.stubs.len() {
             let (text, name) = resolver.stub(index);
             let driver = BlockId(u32::try_from(index).unwrap_or(u32::MAX));
-            resolver.first_net.push(NetId(
-                u32::try_from(resolver.nets.len()).unwrap_or(u32::MAX),
-            ));
+            resolver.first_net.push(NetId(u32::try_from(resolver.nets.len()).unwrap_or(u32::MAX)));
             if text.kind.as_ref().is_some_and(|(k, _)| k == "resolver") {
                 resolver.add_net(format!("{name}.x"), driver);
                 resolver.add_net(format!("{name}.y"), driver);
@@ -174,21 +165,13 @@ impl<'a> Resolver<'a> {
 
     /// A number in a scope.
     pub(crate) fn number(&mut self, scope: usize, field: &str, value: &Value) -> Option<f64> {
-        number::number(
-            field,
-            value,
-            &self.instances.scopes[scope].params,
-            self.faults,
-        )
+        number::number(field, value, &self.instances.scopes[scope].params, self.faults)
     }
 
     /// Makes a block that a field needs, and gives its net.
     pub(crate) fn hide(&mut self, name: String, span: Span, kind: Kind, input: Input) -> NetId {
         let index = self.instances.stubs.len() + self.hidden.len();
-        let net = self.add_net(
-            name.clone(),
-            BlockId(u32::try_from(index).unwrap_or(u32::MAX)),
-        );
+        let net = self.add_net(name.clone(), BlockId(u32::try_from(index).unwrap_or(u32::MAX)));
         self.hidden.push(Block {
             name,
             span,
@@ -210,15 +193,12 @@ impl<'a> Resolver<'a> {
             match catalogue::arity(word) {
                 None => {
                     let help = suggestion(word, "kinds", catalogue::names());
-                    fields
-                        .resolver
-                        .faults
-                        .push(*word_span, |src, at| PatchFault::UnknownKind {
-                            src,
-                            at,
-                            kind: word.clone(),
-                            help,
-                        });
+                    fields.resolver.faults.push(*word_span, |src, at| PatchFault::UnknownKind {
+                        src,
+                        at,
+                        kind: word.clone(),
+                        help,
+                    });
                 }
                 Some(arity) => {
                     inputs = inputs_of(&mut fields, arity, word);
@@ -282,12 +262,7 @@ impl<'a> Resolver<'a> {
             if let Some(at) = wants_derivative {
                 self.check_has_derivative(net, &entry.key, at);
             }
-            out.push(Expected {
-                net,
-                output,
-                derivative,
-                tolerance,
-            });
+            out.push(Expected { net, output, derivative, tolerance });
         }
         out
     }
@@ -299,10 +274,7 @@ impl<'a> Resolver<'a> {
         }
         let (text, _) = self.stub(driver);
         let has = text.kind.as_ref().is_none_or(|(kind, _)| {
-            matches!(
-                kind.as_str(),
-                "integrator" | "lag" | "rate-limiter" | "backlash"
-            )
+            matches!(kind.as_str(), "integrator" | "lag" | "rate-limiter" | "backlash")
         });
         if !has {
             self.faults.push(at, |src, at| PatchFault::NoDerivative {

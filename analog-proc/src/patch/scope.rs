@@ -59,13 +59,8 @@ pub(crate) fn expand(
     overrides: &[(String, f64)],
     faults: &mut Faults,
 ) -> Instances {
-    let mut expander = Expander {
-        names,
-        texts,
-        out: Instances::default(),
-        stack: Vec::new(),
-        faults,
-    };
+    let mut expander =
+        Expander { names, texts, out: Instances::default(), stack: Vec::new(), faults };
     let text = &texts[root as usize];
     let given = expander.root_overrides(root, text, overrides);
     let ports = expander.unbound_root_ports(root, text);
@@ -85,18 +80,12 @@ type Given = HashMap<String, Option<f64>>;
 
 impl Expander<'_> {
     fn root_overrides(&mut self, root: u32, text: &PatchText, given: &[(String, f64)]) -> Given {
-        let at = Span {
-            file: root,
-            ..Span::default()
-        };
+        let at = Span { file: root, ..Span::default() };
         let mut out = Given::new();
         for (name, value) in given {
             if !text.params.iter().any(|p| p.key == *name) {
-                let help = suggestion(
-                    name,
-                    "parameters",
-                    text.params.iter().map(|p| p.key.as_str()),
-                );
+                let help =
+                    suggestion(name, "parameters", text.params.iter().map(|p| p.key.as_str()));
                 self.faults.push(at, |src, at| PatchFault::UnknownParam {
                     src,
                     at,
@@ -151,28 +140,12 @@ impl Expander<'_> {
         }
         self.check_names(text);
         let scope = self.out.scopes.len();
-        self.out.scopes.push(Scope {
-            file,
-            prefix,
-            params,
-            parent,
-            ports,
-        });
+        self.out.scopes.push(Scope { file, prefix, params, parent, ports });
         self.stack.push(file);
         // Uses and blocks in the order in which they stand.
         let mut lines: Vec<(u32, Result<usize, usize>)> = Vec::new();
-        lines.extend(
-            text.uses
-                .iter()
-                .enumerate()
-                .map(|(i, u)| (u.span.start, Err(i))),
-        );
-        lines.extend(
-            text.blocks
-                .iter()
-                .enumerate()
-                .map(|(i, b)| (b.span.start, Ok(i))),
-        );
+        lines.extend(text.uses.iter().enumerate().map(|(i, u)| (u.span.start, Err(i))));
+        lines.extend(text.blocks.iter().enumerate().map(|(i, b)| (b.span.start, Ok(i))));
         lines.sort_unstable_by_key(|line| line.0);
         for (_, line) in lines {
             let at = match line {
@@ -276,18 +249,14 @@ impl Expander<'_> {
             let value = number(&entry.key, &entry.value, params, self.faults);
             if !known.iter().any(|p| p.key == entry.key) {
                 let name = self.faults.sources.name(file).to_owned();
-                let help = suggestion(
-                    &entry.key,
-                    "parameters",
-                    known.iter().map(|p| p.key.as_str()),
-                );
-                self.faults
-                    .push(entry.key_span, |src, at| PatchFault::UnknownParam {
-                        src,
-                        at,
-                        param: entry.key.clone(),
-                        help: format!("in `{name}`: {help}"),
-                    });
+                let help =
+                    suggestion(&entry.key, "parameters", known.iter().map(|p| p.key.as_str()));
+                self.faults.push(entry.key_span, |src, at| PatchFault::UnknownParam {
+                    src,
+                    at,
+                    param: entry.key.clone(),
+                    help: format!("in `{name}`: {help}"),
+                });
             }
             given.insert(entry.key.clone(), value);
         }
@@ -303,33 +272,26 @@ impl Expander<'_> {
                 bound.insert(entry.key.clone(), Some(entry.clone()));
                 continue;
             }
-            let help = suggestion(
-                &entry.key,
-                "ports",
-                text.ports.iter().map(|(port, _)| port.as_str()),
-            );
-            self.faults
-                .push(entry.key_span, |src, at| PatchFault::UnknownPort {
-                    src,
-                    at,
-                    port: entry.key.clone(),
-                    file: name.clone(),
-                    help,
-                });
+            let help =
+                suggestion(&entry.key, "ports", text.ports.iter().map(|(port, _)| port.as_str()));
+            self.faults.push(entry.key_span, |src, at| PatchFault::UnknownPort {
+                src,
+                at,
+                port: entry.key.clone(),
+                file: name.clone(),
+                help,
+            });
         }
         for (port, _) in &text.ports {
             if !bound.contains_key(port) {
                 bound.insert(port.clone(), None);
-                self.faults
-                    .push(instance.span, |src, at| PatchFault::UnboundPort {
-                        src,
-                        at,
-                        port: port.clone(),
-                        file: name.clone(),
-                        help: format!(
-                            "bind it to a net of this patch: in = {{ {port} = \"NET\" }}"
-                        ),
-                    });
+                self.faults.push(instance.span, |src, at| PatchFault::UnboundPort {
+                    src,
+                    at,
+                    port: port.clone(),
+                    file: name.clone(),
+                    help: format!("bind it to a net of this patch: in = {{ {port} = \"NET\" }}"),
+                });
             }
         }
         bound
@@ -337,11 +299,8 @@ impl Expander<'_> {
 
     /// Parameters, ports, instances and blocks of a file share one space of names.
     fn check_names(&mut self, text: &PatchText) {
-        let params: HashMap<&str, Span> = text
-            .params
-            .iter()
-            .map(|p| (p.key.as_str(), p.key_span))
-            .collect();
+        let params: HashMap<&str, Span> =
+            text.params.iter().map(|p| (p.key.as_str(), p.key_span)).collect();
         let mut nets: HashMap<&str, Span> = HashMap::new();
         let ports = text.ports.iter().map(|(name, at)| (name.as_str(), *at));
         let uses = text.uses.iter().map(|u| (u.name.as_str(), u.span));

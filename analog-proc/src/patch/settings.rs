@@ -17,9 +17,8 @@ pub(crate) fn integration(f: &mut Fields<'_, '_>) -> Option<Integration> {
         ],
     );
     // Below 1e-15 an f64 cannot tell the error from rounding.
-    let rtol = f.ranged("rtol", Some(default.rtol), "from 1e-15 to 0.1", |v| {
-        (1e-15..=0.1).contains(&v)
-    });
+    let rtol =
+        f.ranged("rtol", Some(default.rtol), "from 1e-15 to 0.1", |v| (1e-15..=0.1).contains(&v));
     let atol = f.positive("atol", Some(default.atol));
     let step_s = f.positive("step", Some(default.step_s));
     let max_step_s = f.positive("max-step", Some(default.max_step_s));

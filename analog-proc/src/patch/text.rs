@@ -47,15 +47,7 @@ pub(crate) struct BlockText {
     pub(crate) fields: Vec<Entry>,
 }
 
-const SECTIONS: [&str; 7] = [
-    "title",
-    "params",
-    "use",
-    "ports",
-    "blocks",
-    "integration",
-    "expect",
-];
+const SECTIONS: [&str; 7] = ["title", "params", "use", "ports", "blocks", "integration", "expect"];
 
 /// Paths of the sub-patches that a text uses, as far as it can be read, without any complaint.
 pub(crate) fn used_paths(text: &str) -> Vec<String> {
@@ -88,10 +80,7 @@ pub(crate) fn parse(file: u32, text: &str, faults: &mut Faults) -> PatchText {
             });
         }
     }
-    let mut patch = PatchText {
-        is_toml,
-        ..PatchText::default()
-    };
+    let mut patch = PatchText { is_toml, ..PatchText::default() };
     if is_toml {
         let mut reader = Reader { faults };
         for section in entries(file, document.get_ref()) {
@@ -111,11 +100,7 @@ fn report_duplicate_key(text: &str, at: Span, faults: &mut Faults) {
         let is_same = key
             .trim_start_matches('"')
             .strip_prefix(name.as_str())
-            .is_some_and(|rest| {
-                rest.trim_start_matches('"')
-                    .trim_start()
-                    .starts_with(['=', '.'])
-            });
+            .is_some_and(|rest| rest.trim_start_matches('"').trim_start().starts_with(['=', '.']));
         let start = offset + line.len() - key.len();
         if is_same && start < at.start as usize {
             first.push(LabeledSpan::new(None, start, name.len()));
@@ -191,13 +176,7 @@ impl Reader<'_> {
                 help: "write the file: patch = \"rate-gyro.toml\"".into(),
             });
         }
-        UseText {
-            name,
-            span: at,
-            path: path.flatten(),
-            inputs,
-            with,
-        }
+        UseText { name, span: at, path: path.flatten(), inputs, with }
     }
 
     fn ports(&mut self, section: Entry, patch: &mut PatchText) {
@@ -231,12 +210,7 @@ impl Reader<'_> {
                 "a table such as { kind = \"summer\", in = [\"x\"] }",
                 &entry.value,
             );
-            return BlockText {
-                name,
-                span: at,
-                kind: None,
-                fields: Vec::new(),
-            };
+            return BlockText { name, span: at, kind: None, fields: Vec::new() };
         };
         let mut kind = None;
         let mut has_kind = false;
@@ -259,12 +233,7 @@ impl Reader<'_> {
                 help: "say what the block is: kind = \"integrator\", \"summer\", …".into(),
             });
         }
-        BlockText {
-            name,
-            span: at,
-            kind,
-            fields,
-        }
+        BlockText { name, span: at, kind, fields }
     }
 
     fn table(&mut self, entry: Entry) -> Vec<Entry> {
@@ -302,27 +271,25 @@ impl Reader<'_> {
     fn wrong_type(&mut self, field: &str, wanted: &'static str, value: &Value) {
         let field = field.to_owned();
         let found = value.type_name();
-        self.faults
-            .push(value.span, |src, at| PatchFault::WrongType {
-                src,
-                at,
-                help: format!("write {wanted}"),
-                field,
-                wanted,
-                found,
-            });
+        self.faults.push(value.span, |src, at| PatchFault::WrongType {
+            src,
+            at,
+            help: format!("write {wanted}"),
+            field,
+            wanted,
+            found,
+        });
     }
 
     fn unknown_key(&mut self, entry: &Entry, owner: &str, known: &[&str]) {
         let (key, owner) = (entry.key.clone(), owner.to_owned());
         let help = suggestion(&key, "keys", known.iter().copied());
-        self.faults
-            .push(entry.key_span, |src, at| PatchFault::UnknownKey {
-                src,
-                at,
-                key,
-                owner,
-                help,
-            });
+        self.faults.push(entry.key_span, |src, at| PatchFault::UnknownKey {
+            src,
+            at,
+            key,
+            owner,
+            help,
+        });
     }
 }

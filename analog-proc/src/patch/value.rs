@@ -58,10 +58,9 @@ impl Value {
                     .map_or_else(|| i.as_str().parse().unwrap_or(f64::INFINITY), |i| i as f64);
                 Data::Number { value, integer }
             }
-            DeValue::Float(f) => Data::Number {
-                value: f.as_str().parse().unwrap_or(f64::NAN),
-                integer: None,
-            },
+            DeValue::Float(f) => {
+                Data::Number { value: f.as_str().parse().unwrap_or(f64::NAN), integer: None }
+            }
             DeValue::Boolean(flag) => Data::Flag(*flag),
             DeValue::Datetime(_) => Data::Date,
             DeValue::Array(items) => {
@@ -69,10 +68,7 @@ impl Value {
             }
             DeValue::Table(table) => Data::Table(entries(file, table)),
         };
-        Value {
-            span: span(file, value.span()),
-            data,
-        }
+        Value { span: span(file, value.span()), data }
     }
 }
 
@@ -93,9 +89,5 @@ pub(crate) fn entries(file: u32, table: &DeTable<'_>) -> Vec<Entry> {
 /// A byte range as a span. Files are shorter than 4 GiB (the loader refuses far smaller ones).
 pub(crate) fn span(file: u32, range: Range<usize>) -> Span {
     let offset = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
-    Span {
-        file,
-        start: offset(range.start),
-        end: offset(range.end),
-    }
+    Span { file, start: offset(range.start), end: offset(range.end) }
 }

@@ -1,10 +1,6 @@
 //! Patches as users write them, compiled and run, for tests that judge the engine from outside.
 
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    reason = "each user takes what it needs"
-)]
+#![allow(dead_code, clippy::unwrap_used, reason = "each user takes what it needs")]
 
 use analog_proc::block::logic::Edge;
 use analog_proc::fault::RunFault;
@@ -23,20 +19,15 @@ pub struct Bench {
 
 /// Compiles a whole patch file; its faults in words where it has some.
 pub fn ordered(text: &str) -> Result<Ordered, String> {
-    let bundle = PatchBundle {
-        root: "test.toml".into(),
-        files: vec![("test.toml".into(), text.into())],
-    };
+    let bundle =
+        PatchBundle { root: "test.toml".into(), files: vec![("test.toml".into(), text.into())] };
     compile(&bundle, &[]).map_err(|faults| faults.render())
 }
 
 impl Bench {
     pub fn of(ordered: Ordered) -> Bench {
         let simulation = Simulation::new(&ordered).unwrap();
-        Bench {
-            ordered,
-            simulation,
-        }
+        Bench { ordered, simulation }
     }
 
     /// The lines of `[blocks]`, with default settings.
@@ -63,8 +54,7 @@ impl Bench {
     }
 
     pub fn try_run(&mut self, until_s: f64) -> Result<Advance, RunFault> {
-        self.simulation
-            .advance_to(Tick::from_secs(until_s).unwrap())
+        self.simulation.advance_to(Tick::from_secs(until_s).unwrap())
     }
 
     /// Runs; a fault is a failure.
@@ -106,10 +96,6 @@ impl Bench {
     pub fn edges(&mut self, line: u32, rising: bool) -> Vec<f64> {
         let mut edges: Vec<Edge> = Vec::new();
         self.simulation.take_edges(&mut edges);
-        edges
-            .iter()
-            .filter(|e| e.line == line && e.rising == rising)
-            .map(|e| e.t_s)
-            .collect()
+        edges.iter().filter(|e| e.line == line && e.rising == rising).map(|e| e.t_s).collect()
     }
 }

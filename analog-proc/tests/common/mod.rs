@@ -1,10 +1,6 @@
 //! Wiring patches in code and comparing numbers, for tests and benchmarks of the engine alone.
 
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    reason = "each user takes what it needs"
-)]
+#![allow(dead_code, clippy::unwrap_used, reason = "each user takes what it needs")]
 
 use analog_proc::net::{Integration, Kind, Level, Method, NetId};
 use analog_proc::order::Ordered;
@@ -21,10 +17,7 @@ pub fn tick(s: f64) -> Tick {
 /// Asserts that `found` lies within a relative error of `expected`.
 pub fn close(found: f64, expected: f64, relative: f64, what: &str) {
     let error = (found - expected).abs() / expected.abs();
-    assert!(
-        error <= relative,
-        "{what}: {found} instead of {expected}, relative error {error:e}"
-    );
+    assert!(error <= relative, "{what}: {found} instead of {expected}, relative error {error:e}");
 }
 
 /// A patch under construction; inputs are `net` or `c * net`.
@@ -35,13 +28,7 @@ pub struct Patch {
 }
 
 pub fn integrator(ic: f64) -> Kind {
-    Kind::Integrator {
-        ic,
-        limits: None,
-        operate: None,
-        reset: None,
-        reset_to: None,
-    }
+    Kind::Integrator { ic, limits: None, operate: None, reset: None, reset_to: None }
 }
 
 impl Patch {
@@ -84,13 +71,7 @@ impl Patch {
             Level::Net(net) => format!("\"{}\"", self.name(*net)),
         };
         let fields = match kind {
-            Kind::Integrator {
-                ic,
-                limits,
-                operate,
-                reset,
-                reset_to,
-            } => {
+            Kind::Integrator { ic, limits, operate, reset, reset_to } => {
                 let mut text = format!("kind = \"integrator\", ic = {}", number(*ic));
                 if let Some(limits) = limits {
                     text += &format!(", limits = {}", pair(*limits));
@@ -102,11 +83,7 @@ impl Patch {
                     text += &format!(", reset = \"{}\"", self.name(*net));
                 }
                 if let Some(to) = reset_to {
-                    text += &format!(
-                        ", reset-to = \"{} * {}\"",
-                        to.coefficient,
-                        self.name(to.net)
-                    );
+                    text += &format!(", reset-to = \"{} * {}\"", to.coefficient, self.name(to.net));
                 }
                 text
             }
@@ -129,9 +106,7 @@ impl Patch {
             Kind::OneShot { width_s } => {
                 format!("kind = \"one-shot\", width = {}", number(*width_s))
             }
-            Kind::Relay {
-                points, outputs, ..
-            } => {
+            Kind::Relay { points, outputs, .. } => {
                 format!(
                     "kind = \"relay\", points = {}, outputs = {}",
                     pair(*points),
@@ -140,11 +115,7 @@ impl Patch {
             }
             Kind::DeadZone { width } => format!("kind = \"dead-zone\", width = {}", level(width)),
             Kind::Limiter { low, high } => {
-                format!(
-                    "kind = \"limiter\", limits = [{}, {}]",
-                    level(low),
-                    level(high)
-                )
+                format!("kind = \"limiter\", limits = [{}, {}]", level(low), level(high))
             }
             Kind::DryFriction { level, .. } => {
                 format!("kind = \"dry-friction\", level = {}", number(*level))
@@ -174,10 +145,7 @@ impl Patch {
             text += &self.line(name, kind, inputs);
         }
         let files = vec![("test.toml".to_string(), text)];
-        let bundle = PatchBundle {
-            root: "test.toml".to_string(),
-            files,
-        };
+        let bundle = PatchBundle { root: "test.toml".to_string(), files };
         let mut ordered = match compile(&bundle, &[]) {
             Ok(ordered) => ordered,
             Err(faults) => panic!("{}", faults.render()),

@@ -40,10 +40,7 @@ pub fn roots<F: Fn(f64) -> f64, D: Fn(f64) -> f64>(
             // Half-open: a zero at the lower end belongs to the interval before.
             if (low <= 0.0) != (high <= 0.0) {
                 let t_s = bisect(|t| (f.value)(t), a, b);
-                found.push(Root {
-                    t_s,
-                    rises: high > 0.0,
-                });
+                found.push(Root { t_s, rises: high > 0.0 });
             }
             continue;
         }

@@ -12,11 +12,9 @@ fn expectations(text: &str) -> (f64, Vec<(String, f64, f64)>) {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["until", "=", s, "s"] => until_s = Some(s.parse().unwrap()),
-            [net, "=", value, "within", tolerance] => nets.push((
-                net.to_string(),
-                value.parse().unwrap(),
-                tolerance.parse().unwrap(),
-            )),
+            [net, "=", value, "within", tolerance] => {
+                nets.push((net.to_string(), value.parse().unwrap(), tolerance.parse().unwrap()))
+            }
             _ => {}
         }
     }
@@ -26,10 +24,8 @@ fn expectations(text: &str) -> (f64, Vec<(String, f64, f64)>) {
 #[test]
 fn what_was_wrong_once_stays_right() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fuzz/corpus");
-    let mut paths: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let mut paths: Vec<_> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     paths.sort();
     assert!(paths.len() >= 10, "{paths:?}");
     let mut wrong = String::new();

@@ -63,32 +63,20 @@ struct Draft {
 
 /// The patch of a seed.
 pub fn patch(seed: u64) -> Patch {
-    let mut draft = Draft {
-        random: Random::new(seed),
-        blocks: Vec::new(),
-        peaks: Vec::new(),
-    };
+    let mut draft = Draft { random: Random::new(seed), blocks: Vec::new(), peaks: Vec::new() };
     let until_s = draft.random.between(1.2, 3.2);
     draft.draw_kinds();
     for i in 0..draft.blocks.len() {
         draft.wire(i);
     }
     draft.observe();
-    Patch {
-        blocks: draft.blocks,
-        until_s,
-    }
+    Patch { blocks: draft.blocks, until_s }
 }
 
 impl Draft {
     fn push(&mut self, kind: &'static str) -> usize {
         let name = format!("n{:02}", self.blocks.len());
-        self.blocks.push(Block {
-            name,
-            kind,
-            inputs: Vec::new(),
-            fields: Vec::new(),
-        });
+        self.blocks.push(Block { name, kind, inputs: Vec::new(), fields: Vec::new() });
         self.peaks.push(None);
         self.blocks.len() - 1
     }
@@ -98,9 +86,7 @@ impl Draft {
         let one = self.push("constant");
         self.blocks[one].fields.push(("value", Field::Number(1.0)));
         self.peaks[one] = Some(1.0);
-        let first = self
-            .random
-            .pick(&["signal-generator", "signal-generator", "time", "chain"]);
+        let first = self.random.pick(&["signal-generator", "signal-generator", "time", "chain"]);
         self.push(first);
         let total: u32 = KINDS.iter().map(|k| k.1).sum();
         while self.blocks.len() < count {
@@ -164,11 +150,7 @@ impl Draft {
         let nets = self.nets(i, false);
         // The constant is read less often than what moves.
         let net = self.random.pick(&nets);
-        if net == "n00" {
-            self.random.pick(&nets)
-        } else {
-            net
-        }
+        if net == "n00" { self.random.pick(&nets) } else { net }
     }
 
     /// Whether a net depends on a delay's output within the instant.
@@ -197,15 +179,8 @@ impl Draft {
     }
 
     fn term(&mut self, i: usize) -> Term {
-        let c = if self.random.chance(0.25) {
-            1.0
-        } else {
-            self.random.signed(0.3, 1.6)
-        };
-        Term {
-            c,
-            net: self.analog(i),
-        }
+        let c = if self.random.chance(0.25) { 1.0 } else { self.random.signed(0.3, 1.6) };
+        Term { c, net: self.analog(i) }
     }
 
     fn terms(&mut self, i: usize, most: usize) -> Vec<Term> {
@@ -215,10 +190,7 @@ impl Draft {
 
     /// What the weighted sum of the inputs reaches at most, where it is known.
     fn reach(&self, terms: &[Term]) -> Option<f64> {
-        terms
-            .iter()
-            .map(|t| Some(t.c.abs() * self.peak(&t.net)?))
-            .sum()
+        terms.iter().map(|t| Some(t.c.abs() * self.peak(&t.net)?)).sum()
     }
 
     /// A level for what reaches `reach` at most: often close below it.
@@ -227,11 +199,7 @@ impl Draft {
             Some(reach) if self.random.chance(0.6) => {
                 let depth = self.random.decade(3e-5, 0.3);
                 let level = reach * (1.0 - depth);
-                if self.random.chance(0.5) {
-                    level
-                } else {
-                    -level
-                }
+                if self.random.chance(0.5) { level } else { -level }
             }
             _ => self.random.signed(0.0, 1.2),
         }
@@ -303,11 +271,7 @@ impl Draft {
                     // Of time or an angle up to some turns a second; round a delay it would
                     // fold the past ever finer.
                     let turns = self.random.decade(1.0, 15.0);
-                    term.c *= if self.is_delayed(&term.net) {
-                        0.7
-                    } else {
-                        turns
-                    };
+                    term.c *= if self.is_delayed(&term.net) { 0.7 } else { turns };
                 }
                 self.blocks[i].inputs = inputs;
                 self.peaks[i] = Some(1.0);
@@ -407,10 +371,7 @@ impl Draft {
                     let breakaway = level * self.random.between(1.0, 1.4);
                     self.set(i, "breakaway", Field::Number(breakaway));
                 }
-                let velocity = Term {
-                    c: 1.0,
-                    net: self.blocks[i + 1].name.clone(),
-                };
+                let velocity = Term { c: 1.0, net: self.blocks[i + 1].name.clone() };
                 self.blocks[i].inputs = vec![velocity, force];
             }
             "relay" => {
@@ -482,10 +443,7 @@ impl Draft {
         // 1 + x² of any x, as blocks put in before this one cannot be: by an absolute value.
         match self.positive_sum(i) {
             Some(net) => Term { c: 1.0, net },
-            None => Term {
-                c: self.random.between(0.5, 2.0),
-                net: "n00".into(),
-            },
+            None => Term { c: self.random.between(0.5, 2.0), net: "n00".into() },
         }
     }
 
@@ -510,21 +468,11 @@ impl Draft {
         } else {
             0.95 / self.peak(&net)?.max(0.1)
         };
-        let base = if high > 0.0 {
-            self.random.decade(0.05, 1.0)
-        } else {
-            1.0
-        };
+        let base = if high > 0.0 { self.random.decade(0.05, 1.0) } else { 1.0 };
         self.blocks.push(Block {
             name: name.clone(),
             kind: "summer",
-            inputs: vec![
-                Term {
-                    c: base,
-                    net: "n00".into(),
-                },
-                Term { c, net },
-            ],
+            inputs: vec![Term { c: base, net: "n00".into() }, Term { c, net }],
             fields: Vec::new(),
         });
         self.peaks.push(None);
@@ -532,9 +480,7 @@ impl Draft {
     }
 
     fn generator(&mut self, i: usize) {
-        let wave = self
-            .random
-            .pick(&["sine", "sine", "sine", "sine", "square", "ramp", "step"]);
+        let wave = self.random.pick(&["sine", "sine", "sine", "sine", "square", "ramp", "step"]);
         self.set(i, "wave", Field::Word(wave));
         let amplitude = self.random.signed(0.4, 1.5);
         self.set(i, "amplitude", Field::Number(amplitude));
@@ -556,14 +502,9 @@ impl Draft {
             _ => "integrator",
         };
         let ic = self.random.signed(0.0, 1.0);
-        let this = |c: f64| Term {
-            c,
-            net: name.clone(),
-        };
-        let neighbour = |draft: &Draft, j: usize, c: f64| Term {
-            c,
-            net: draft.blocks[j].name.clone(),
-        };
+        let this = |c: f64| Term { c, net: name.clone() };
+        let neighbour =
+            |draft: &Draft, j: usize, c: f64| Term { c, net: draft.blocks[j].name.clone() };
         match form {
             "oscillator" => {
                 // Its partner's rate is drawn here and read there.
@@ -617,10 +558,7 @@ impl Draft {
         }
         self.set(i, "ic", Field::Number(ic));
         if form == "limited" {
-            let (low, high) = (
-                self.random.between(0.05, 0.8),
-                self.random.between(0.05, 0.8),
-            );
+            let (low, high) = (self.random.between(0.05, 0.8), self.random.between(0.05, 0.8));
             let ic = ic.clamp(-low, high);
             self.blocks[i].fields[0].1 = Field::Number(ic);
             self.set(i, "limits", Field::List(vec![-low, high]));
@@ -636,10 +574,7 @@ impl Draft {
         {
             self.set(i, "reset", Field::Net(net));
             if self.random.chance(0.5) {
-                let to = Term {
-                    c: self.random.signed(0.2, 0.9),
-                    net: self.analog(i),
-                };
+                let to = Term { c: self.random.signed(0.2, 0.9), net: self.analog(i) };
                 self.set(i, "reset-to", Field::Term(to));
             }
         }
@@ -677,17 +612,9 @@ impl Draft {
     fn observe(&mut self) {
         let blocks = self.blocks.clone();
         let mut add = |name: String, kind, inputs, fields| {
-            self.blocks.push(Block {
-                name,
-                kind,
-                inputs,
-                fields,
-            });
+            self.blocks.push(Block { name, kind, inputs, fields });
         };
-        let wire = |net: &str| Term {
-            c: 1.0,
-            net: net.into(),
-        };
+        let wire = |net: &str| Term { c: 1.0, net: net.into() };
         for block in blocks.iter().filter(|b| b.is_logic()).take(4) {
             let (gate, duty, count) = (
                 format!("g_{}", block.name),
@@ -697,13 +624,7 @@ impl Draft {
             add(
                 gate.clone(),
                 "switch",
-                vec![
-                    wire("n00"),
-                    Term {
-                        c: -1.0,
-                        net: "n00".into(),
-                    },
-                ],
+                vec![wire("n00"), Term { c: -1.0, net: "n00".into() }],
                 vec![("control", Field::Net(block.name.clone()))],
             );
             add(duty, "integrator", vec![wire(&gate)], Vec::new());
@@ -726,12 +647,7 @@ impl Draft {
             )
         });
         for block in moving.take(3) {
-            add(
-                format!("i_{}", block.name),
-                "integrator",
-                vec![wire(&block.name)],
-                Vec::new(),
-            );
+            add(format!("i_{}", block.name), "integrator", vec![wire(&block.name)], Vec::new());
         }
     }
 }

@@ -88,11 +88,7 @@ fn fault(fault: &RunFault) -> Fault {
         RunFault::Chatter { t_s, .. } => ("chatter", *t_s),
         _ => ("setting", 0.0),
     };
-    Fault {
-        kind,
-        t_s,
-        text: fault.to_string(),
-    }
+    Fault { kind, t_s, text: fault.to_string() }
 }
 
 fn simulate(ordered: &Ordered, integration: Integration, until_s: f64) -> Result<Rows, Fault> {
@@ -134,25 +130,16 @@ fn remarked(
 }
 
 fn fine() -> Integration {
-    Integration {
-        max_step_s: FINE_S,
-        ..Integration::default()
-    }
+    Integration { max_step_s: FINE_S, ..Integration::default() }
 }
 
 fn implicit() -> Integration {
-    Integration {
-        method: Method::Sdirk4,
-        max_step_s: 0.02,
-        ..Integration::default()
-    }
+    Integration { method: Method::Sdirk4, max_step_s: 0.02, ..Integration::default() }
 }
 
 /// The greatest values of each net.
 fn scales(rows: &Rows) -> Vec<f64> {
-    (0..rows[0].len())
-        .map(|net| rows.iter().map(|r| r[net].abs()).fold(0.0, f64::max))
-        .collect()
+    (0..rows[0].len()).map(|net| rows.iter().map(|r| r[net].abs()).fold(0.0, f64::max)).collect()
 }
 
 /// The greatest differences of each net.
@@ -169,9 +156,7 @@ fn differences(a: &Rows, b: &Rows) -> Vec<f64> {
 fn differing(a: &Rows, b: &Rows, relative: f64) -> Vec<usize> {
     let scales = scales(b);
     let differences = differences(a, b);
-    (0..scales.len())
-        .filter(|net| differences[*net] > relative * scales[*net] + 1e-12)
-        .collect()
+    (0..scales.len()).filter(|net| differences[*net] > relative * scales[*net] + 1e-12).collect()
 }
 
 /// What the reference run changes by where the numbers of the patch change, as fractions of 1e-9;
@@ -183,29 +168,16 @@ struct Sensitivity {
 
 fn sensitivity(patch: &Patch, reference: &Result<Rows, Fault>, nets: usize) -> Sensitivity {
     let mut random = Random::new(1);
-    let mut result = Sensitivity {
-        nets: vec![0.0; nets],
-        faults: Vec::new(),
-    };
+    let mut result = Sensitivity { nets: vec![0.0; nets], faults: Vec::new() };
     // Besides, steps a little shorter: what changes by them is left to rounding.
-    let settings = [
-        (1e-9, 1.0),
-        (1e-9, 1.0),
-        (1e-9, 1.0),
-        (1e-9, 0.9),
-        (1e-11, 0.8),
-        (0.0, 0.7),
-    ];
+    let settings = [(1e-9, 1.0), (1e-9, 1.0), (1e-9, 1.0), (1e-9, 0.9), (1e-11, 0.8), (0.0, 0.7)];
     for (relative, part) in settings {
         // An initial condition at a limit may be off beyond it: then another draw.
         let mut draws = (0..DRAWS).map(|_| ordered(&patch.perturbed(relative, &mut random).text()));
         let Some(ordered) = draws.find_map(Result::ok) else {
             continue;
         };
-        let shorter = Integration {
-            max_step_s: part * FINE_S,
-            ..fine()
-        };
+        let shorter = Integration { max_step_s: part * FINE_S, ..fine() };
         let run = simulate(&ordered, shorter, patch.until_s);
         if let (Ok(run), Ok(reference)) = (&run, reference) {
             for (net, difference) in differences(reference, run).into_iter().enumerate() {
@@ -223,11 +195,7 @@ fn same(a: &Fault, b: &Fault) -> bool {
     let sure = |kind: &str| matches!(kind, "divisor" | "root" | "race");
     // Switchings that accumulate, and singularities that are approached, end where the last
     // step that still fits ends.
-    if a.kind == b.kind && sure(a.kind) {
-        off < 1e-6
-    } else {
-        off < 1e-2
-    }
+    if a.kind == b.kind && sure(a.kind) { off < 1e-6 } else { off < 1e-2 }
 }
 
 /// Whether fixed steps differ by their own error, which nothing bounds (before a pole, at the
@@ -366,12 +334,7 @@ pub fn judge(patch: &Patch, seed: u64) -> Verdict {
         Ok(ordered) => ordered,
         Err(faults) => return Verdict::Unfit(faults),
     };
-    let names: Vec<String> = ordered
-        .netlist
-        .nets
-        .iter()
-        .map(|n| n.name.clone())
-        .collect();
+    let names: Vec<String> = ordered.netlist.nets.iter().map(|n| n.name.clone()).collect();
     let until_s = patch.until_s;
     let reference = simulate(&ordered, fine(), until_s);
     if let Ok(rows) = &reference
@@ -388,29 +351,14 @@ pub fn judge(patch: &Patch, seed: u64) -> Verdict {
     let second = if seed.is_multiple_of(8) {
         implicit()
     } else {
-        Integration {
-            method: Method::RungeKutta4,
-            step_s: FINE_S,
-            ..default
-        }
+        Integration { method: Method::RungeKutta4, step_s: FINE_S, ..default }
     };
-    let tight = Integration {
-        rtol: 1e-11,
-        atol: 1e-13,
-        ..default
-    };
-    let loose = Integration {
-        rtol: 1e-9,
-        atol: 1e-11,
-        ..default
-    };
+    let tight = Integration { rtol: 1e-11, atol: 1e-13, ..default };
+    let loose = Integration { rtol: 1e-9, atol: 1e-11, ..default };
     let mut known = None;
     let mut felt = || -> Sensitivity {
         let found = known.get_or_insert_with(|| sensitivity(patch, &reference, names.len()));
-        Sensitivity {
-            nets: found.nets.clone(),
-            faults: found.faults.clone(),
-        }
+        Sensitivity { nets: found.nets.clone(), faults: found.faults.clone() }
     };
     let (mut sensitive, mut flagged) = (false, false);
     for (what, integration, relative) in [

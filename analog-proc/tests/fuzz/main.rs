@@ -168,10 +168,7 @@ fn report(verdicts: &BTreeMap<u64, Verdict>) {
     let wrong = wrong.len();
     // Some patches are work without bound: sines of what runs away, a delayed map that folds
     // its past ever finer.
-    assert!(
-        500 * endless <= all.max(500),
-        "{endless} of {all} do not end"
-    );
+    assert!(500 * endless <= all.max(500), "{endless} of {all} do not end");
     assert_eq!(wrong, 0, "patches with silently wrong answers");
     assert!(
         100 * (sensitive + flagged) < 3 * all.max(34),
@@ -207,10 +204,7 @@ fn truths(from: u64, count: u64) {
         wrong.len()
     );
     assert!(wrong.is_empty(), "{} are wrong: {wrong:?}", wrong.len());
-    assert!(
-        100 * open <= 3 * count.max(34),
-        "{open} of {count} leave their counts open"
-    );
+    assert!(100 * open <= 3 * count.max(34), "{open} of {count} leave their counts open");
 }
 
 #[test]

@@ -94,10 +94,7 @@ impl Field {
 
 impl Block {
     pub fn is_logic(&self) -> bool {
-        matches!(
-            self.kind,
-            "comparator" | "and" | "or" | "not" | "flip-flop" | "one-shot"
-        )
+        matches!(self.kind, "comparator" | "and" | "or" | "not" | "flip-flop" | "one-shot")
     }
 
     /// Whether it may stand in a closed path.
@@ -116,10 +113,7 @@ impl Block {
     }
 
     pub fn drives(&self, net: &str) -> bool {
-        net.strip_suffix(".x")
-            .or(net.strip_suffix(".y"))
-            .unwrap_or(net)
-            == self.name
+        net.strip_suffix(".x").or(net.strip_suffix(".y")).unwrap_or(net) == self.name
     }
 
     /// The nets it drives.
@@ -171,10 +165,9 @@ impl Patch {
                 field.numbers(&mut each);
             }
             if block.kind == "integrator" && relative > 0.0 {
-                block.inputs.push(Term {
-                    c: relative * random.between(-1.0, 1.0),
-                    net: OFFSET.into(),
-                });
+                block
+                    .inputs
+                    .push(Term { c: relative * random.between(-1.0, 1.0), net: OFFSET.into() });
             }
         }
         patch.blocks.push(Block {

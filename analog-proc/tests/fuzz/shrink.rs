@@ -51,13 +51,7 @@ fn bypassed(patch: &Patch, i: usize) -> Option<Patch> {
     if block.kind == "constant" {
         return None;
     }
-    let sort = |net: &str| {
-        patch
-            .blocks
-            .iter()
-            .find(|b| b.drives(net))
-            .map(Block::is_logic)
-    };
+    let sort = |net: &str| patch.blocks.iter().find(|b| b.drives(net)).map(Block::is_logic);
     let first = block
         .inputs
         .iter()

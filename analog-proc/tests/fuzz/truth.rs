@@ -26,10 +26,7 @@ struct Signal {
 
 impl Signal {
     fn at(&self, t: f64) -> f64 {
-        let waves = self
-            .waves
-            .iter()
-            .map(|w| w.amplitude * libm::sin(w.rate * t + w.phase));
+        let waves = self.waves.iter().map(|w| w.amplitude * libm::sin(w.rate * t + w.phase));
         let [a, b, c, d] = self.cubic;
         waves.sum::<f64>() + a + t * (b + t * (c + t * d))
     }
@@ -43,10 +40,7 @@ impl Signal {
     /// All crossings of a level; `None` where they cannot be told.
     fn crossings(&self, level: f64, until_s: f64) -> Option<Vec<Root>> {
         let sum = |power: i32| {
-            let waves = self
-                .waves
-                .iter()
-                .map(|w| w.amplitude.abs() * w.rate.powi(power));
+            let waves = self.waves.iter().map(|w| w.amplitude.abs() * w.rate.powi(power));
             waves.sum::<f64>()
         };
         let [_, b, c, d] = self.cubic.map(f64::abs);
@@ -61,9 +55,7 @@ impl Signal {
     }
 
     fn size(&self, until_s: f64) -> f64 {
-        (0..200)
-            .map(|i| self.at(until_s * f64::from(i) / 200.0).abs())
-            .fold(0.1, f64::max)
+        (0..200).map(|i| self.at(until_s * f64::from(i) / 200.0).abs()).fold(0.1, f64::max)
     }
 }
 
@@ -83,10 +75,7 @@ fn above(signal: &Signal, level: f64, until_s: f64) -> Option<Above> {
         count: crossings.iter().filter(|r| r.rises).count() as f64,
         duty_s: 0.0,
         area: 0.0,
-        looseness: crossings
-            .iter()
-            .map(|r| 1.0 / signal.slope(r.t_s).abs())
-            .sum(),
+        looseness: crossings.iter().map(|r| 1.0 / signal.slope(r.t_s).abs()).sum(),
     };
     let mut since = (signal.at(0.0) > level).then_some(0.0);
     let fastest = signal.waves.iter().map(|w| w.rate).fold(1.0, f64::max);
@@ -116,15 +105,7 @@ fn lines(signal: &Signal, random: &mut Random) -> String {
     let mut text =
         String::from("one = { kind = \"constant\", value = 1.0 }\nt = { kind = \"time\" }\n");
     let mut sum = Vec::new();
-    for (
-        i,
-        Wave {
-            amplitude,
-            rate,
-            phase,
-        },
-    ) in signal.waves.iter().enumerate()
-    {
+    for (i, Wave { amplitude, rate, phase }) in signal.waves.iter().enumerate() {
         match random.below(4) {
             0 => {
                 let frequency = rate / TAU;
@@ -206,11 +187,7 @@ pub fn judge(seed: u64) -> Result<bool, String> {
         samples.fold(f64::NEG_INFINITY, f64::max)
     };
     let depth = size * random.decade(1e-5, 0.3);
-    let level = if down {
-        extreme + depth
-    } else {
-        extreme - depth
-    };
+    let level = if down { extreme + depth } else { extreme - depth };
     let delay_s = random.decade(0.03, 1.0) * until_s * 0.9;
     let threshold = format!("{level:?}");
     let text = format!(
@@ -245,10 +222,7 @@ stay = {{ kind = "integrator", in = ["one"], operate = "q" }}
         .collect();
     let Some(all) = all else { return Ok(false) };
     let (now, late) = all[0];
-    if all
-        .iter()
-        .any(|(a, b)| (a.count, b.count) != (now.count, late.count))
-    {
+    if all.iter().any(|(a, b)| (a.count, b.count) != (now.count, late.count)) {
         return Ok(false);
     }
     let mut bench = Bench::of(ordered(&text).map_err(|e| format!("{e}\n{text}"))?);
@@ -273,8 +247,6 @@ stay = {{ kind = "integrator", in = ["one"], operate = "q" }}
     if wrong.is_empty() {
         Ok(true)
     } else {
-        Err(format!(
-            "# seed {seed} of truths, until = {until_s:?} s\n{wrong}{text}"
-        ))
+        Err(format!("# seed {seed} of truths, until = {until_s:?} s\n{wrong}{text}"))
     }
 }

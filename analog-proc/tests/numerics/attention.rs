@@ -38,11 +38,7 @@ fn an_attendant_is_asked_every_few_thousand_passes_and_alters_nothing() {
         // Beyond them lies one step: of the implicit method with five stages of ten
         // iterations at most and a Jacobian of two columns, tried a few times.
         let all = std::iter::once(passes[0]).chain(gaps);
-        assert!(
-            all.clone().all(|n| (PASSES..PASSES + 300).contains(&n)),
-            "{:?}",
-            all.max()
-        );
+        assert!(all.clone().all(|n| (PASSES..PASSES + 300).contains(&n)), "{:?}", all.max());
         assert!(pulses.windows(2).all(|w| w[0].t_s < w[1].t_s));
     }
 }
@@ -53,20 +49,11 @@ fn an_attendant_ends_a_run_and_the_fault_stands() {
     let mut asked = 0;
     let end = simulation.advance_attended(tick(1000.0), &mut |_| {
         asked += 1;
-        if asked < 3 {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
+        if asked < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });
-    let Err(RunFault::Halted { t_s }) = end else {
-        panic!("{end:?}")
-    };
+    let Err(RunFault::Halted { t_s }) = end else { panic!("{end:?}") };
     assert!(asked == 3 && t_s > 0.0 && t_s < 1000.0);
-    assert_eq!(
-        simulation.advance_to(tick(1000.0)),
-        Err(RunFault::Halted { t_s })
-    );
+    assert_eq!(simulation.advance_to(tick(1000.0)), Err(RunFault::Halted { t_s }));
     simulation.reset().unwrap();
     simulation.advance_to(tick(1.0)).unwrap();
 }
@@ -83,11 +70,7 @@ fn a_sink_that_has_had_enough_ends_a_run_within_its_step() {
         &[NetId(0)],
         &mut |_, _| {
             rows += 1;
-            if rows < 10 {
-                ControlFlow::Continue(())
-            } else {
-                ControlFlow::Break(())
-            }
+            if rows < 10 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         },
         &mut |_| ControlFlow::Continue(()),
     );
@@ -126,12 +109,10 @@ fn a_value_that_overflows_between_two_steps_is_a_fault() {
     let x = patch.add("x", integrator(1.7e308), &["slope"]);
     patch.add("slope", Kind::Constant { value: -3.4e307 }, &[]);
     let mut rows = 0;
-    let end = patch
-        .simulation()
-        .advance_recording(tick(10.0), tick(1.0), &[x], |_, v| {
-            assert!(v[0].is_finite());
-            rows += 1;
-        });
+    let end = patch.simulation().advance_recording(tick(10.0), tick(1.0), &[x], |_, v| {
+        assert!(v[0].is_finite());
+        rows += 1;
+    });
     let Err(RunFault::NonFinite { t_s, block, .. }) = end else {
         panic!("{end:?} after {rows} rows")
     };

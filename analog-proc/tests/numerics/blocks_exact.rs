@@ -18,23 +18,15 @@ fn dead_zone_is_odd_and_limiter_corners_are_exact() {
         start_s: 0.0,
     };
     patch.add("s", sine(0.0), &[]);
-    let zone = Kind::DeadZone {
-        width: Level::Fixed(0.5),
-    };
+    let zone = Kind::DeadZone { width: Level::Fixed(0.5) };
     let up = patch.add("up", zone.clone(), &["s"]);
     let down = patch.add("down", zone, &["-1 * s"]);
-    let limiter = Kind::Limiter {
-        low: Level::Fixed(-1.0),
-        high: Level::Fixed(1.0),
-    };
+    let limiter = Kind::Limiter { low: Level::Fixed(-1.0), high: Level::Fixed(1.0) };
     let limited = patch.add("limited", limiter, &["s"]);
     patch.add("area", integrator(0.0), &["limited"]);
     patch.add(
         "full",
-        Kind::Comparator {
-            threshold: 0.999_999_999_999,
-            hysteresis: 0.0,
-        },
+        Kind::Comparator { threshold: 0.999_999_999_999, hysteresis: 0.0 },
         &["limited"],
     );
     patch.add("line", Kind::Interrupt { line: 0 }, &["full"]);
@@ -42,17 +34,12 @@ fn dead_zone_is_odd_and_limiter_corners_are_exact() {
     let mut worst: f64 = 0.0;
     let mut seen = 0;
     simulation
-        .advance_recording(
-            tick(1.0),
-            tick(0.001),
-            &[up, down, limited, NetId(1)],
-            |_, v| {
-                worst = worst.max((v[0] + v[1]).abs());
-                let expected = v[3].clamp(-1.0, 1.0);
-                worst = worst.max((v[2] - expected).abs());
-                seen += 1;
-            },
-        )
+        .advance_recording(tick(1.0), tick(0.001), &[up, down, limited, NetId(1)], |_, v| {
+            worst = worst.max((v[0] + v[1]).abs());
+            let expected = v[3].clamp(-1.0, 1.0);
+            worst = worst.max((v[2] - expected).abs());
+            seen += 1;
+        })
         .unwrap();
     assert_eq!(seen, 1000);
     // Band of a corner: 4 units in the last place of 1.
@@ -73,23 +60,12 @@ fn transport_delay_shifts_a_sine() {
     patch.integration.rtol = 1e-9;
     patch.add("x", integrator(0.0), &["v"]);
     patch.add("v", integrator(2.0), &["-4 * x"]);
-    let delayed = patch.add(
-        "delayed",
-        Kind::TransportDelay {
-            delay: 0.3,
-            initial: -5.0,
-        },
-        &["x"],
-    );
+    let delayed = patch.add("delayed", Kind::TransportDelay { delay: 0.3, initial: -5.0 }, &["x"]);
     let mut simulation = patch.simulation();
     let mut worst: f64 = 0.0;
     simulation
         .advance_recording(tick(6.0), tick(0.01), &[delayed], |t_s, v| {
-            let expected = if t_s < 0.3 {
-                -5.0
-            } else {
-                (2.0 * (t_s - 0.3)).sin()
-            };
+            let expected = if t_s < 0.3 { -5.0 } else { (2.0 * (t_s - 0.3)).sin() };
             if (t_s - 0.3).abs() > 1e-9 {
                 worst = worst.max((v[0] - expected).abs());
             }
@@ -105,46 +81,23 @@ fn delayed_feedback_follows_the_method_of_steps() {
     // dy/dt = −y(t − 1), y = 1 before: y(1) = 0, y(2) = −1/2, y(3) = −1/6.
     let mut patch = Patch::new();
     patch.add("y", integrator(1.0), &["-1 * d"]);
-    patch.add(
-        "d",
-        Kind::TransportDelay {
-            delay: 1.0,
-            initial: 1.0,
-        },
-        &["y"],
-    );
+    patch.add("d", Kind::TransportDelay { delay: 1.0, initial: 1.0 }, &["y"]);
     let mut simulation = patch.simulation();
     for (t_s, y) in [(1.0, 0.0), (2.0, -0.5), (3.0, -1.0 / 6.0)] {
         simulation.advance_to(tick(t_s)).unwrap();
         // Piecewise polynomials of degree ≤ 3 are exact but for rounding and breakpoints.
-        assert!(
-            (simulation.net(NetId(0)) - y).abs() < 1e-12,
-            "{}",
-            simulation.net(NetId(0))
-        );
+        assert!((simulation.net(NetId(0)) - y).abs() < 1e-12, "{}", simulation.net(NetId(0)));
     }
 }
 
 #[test]
 fn dac_slopes_and_settling_are_integrated_exactly() {
     let mut patch = Patch::new();
-    patch.add(
-        "in",
-        Kind::Dac {
-            channel: 0,
-            initial: 0.0,
-        },
-        &[],
-    );
+    patch.add("in", Kind::Dac { channel: 0, initial: 0.0 }, &[]);
     patch.add("y", integrator(0.0), &["in"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(1.0)).unwrap();
-    let piece = DacPiece {
-        value: 2.0,
-        slope_per_s: 3.0,
-        from_s: 1.0,
-        settling_s: 0.1,
-    };
+    let piece = DacPiece { value: 2.0, slope_per_s: 3.0, from_s: 1.0, settling_s: 0.1 };
     simulation.set_dac(0, piece);
     simulation.apply().unwrap();
     assert_eq!(simulation.net(NetId(0)), 0.0);
@@ -161,13 +114,7 @@ fn limited_integrator_rests_on_its_limit() {
     patch.add("c", integrator(1.0), &["-1 * s"]);
     patch.add("s", integrator(0.0), &["c"]);
     let limits = Some([-0.5, 0.5]);
-    let limited = Kind::Integrator {
-        ic: 0.0,
-        limits,
-        operate: None,
-        reset: None,
-        reset_to: None,
-    };
+    let limited = Kind::Integrator { ic: 0.0, limits, operate: None, reset: None, reset_to: None };
     let y = patch.add("y", limited, &["c"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(1.0)).unwrap();
@@ -188,14 +135,7 @@ fn logic_counts_and_pulses() {
         start_s: 0.25,
     };
     patch.add("w", square, &[]);
-    patch.add(
-        "clock",
-        Kind::Comparator {
-            threshold: 0.0,
-            hysteresis: 0.0,
-        },
-        &["w"],
-    );
+    patch.add("clock", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["w"]);
     let count = patch.add("count", Kind::Counter { modulo: 3 }, &["clock"]);
     patch.add("pulse", Kind::OneShot { width_s: 0.125 }, &["clock"]);
     patch.add("one", Kind::Constant { value: 1.0 }, &[]);

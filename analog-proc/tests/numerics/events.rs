@@ -19,22 +19,11 @@ fn ball(e: f64) -> Patch {
             limits: None,
             operate: None,
             reset: Some(contact),
-            reset_to: Some(Input {
-                net: v,
-                coefficient: -e,
-                span: Span::default(),
-            }),
+            reset_to: Some(Input { net: v, coefficient: -e, span: Span::default() }),
         },
         &["g"],
     );
-    patch.add(
-        "contact",
-        Kind::Comparator {
-            threshold: 0.0,
-            hysteresis: 0.0,
-        },
-        &["-1 * h"],
-    );
+    patch.add("contact", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["-1 * h"]);
     patch.add("floor", Kind::Interrupt { line: 7 }, &["contact"]);
     patch
 }
@@ -43,11 +32,8 @@ fn ball(e: f64) -> Patch {
 fn ball_bounces_at_the_analytic_times() {
     let mut simulation = ball(0.8).simulation();
     simulation.advance_to(tick(3.9)).unwrap();
-    let bounces: Vec<f64> = edges(&mut simulation)
-        .iter()
-        .filter(|e| e.rising && e.line == 7)
-        .map(|e| e.t_s)
-        .collect();
+    let bounces: Vec<f64> =
+        edges(&mut simulation).iter().filter(|e| e.rising && e.line == 7).map(|e| e.t_s).collect();
     // First contact at √(2h/g); each flight lasts 2·e^n·√(2h/g).
     let first_s = (2.0_f64 / 9.81).sqrt();
     let mut expected_s = first_s;
@@ -67,10 +53,7 @@ fn accumulating_bounces_end_in_a_fault_that_names_the_contact() {
         Err(RunFault::Chatter { t_s, block, .. }) => {
             assert_eq!(block, "contact");
             // Remaining flights at the resolution of the state: √(2·1e-12/g)·9 ≈ 4e-6.
-            assert!(
-                (t_s - limit_s).abs() < 1e-5,
-                "chatter at {t_s}, accumulation at {limit_s}"
-            );
+            assert!((t_s - limit_s).abs() < 1e-5, "chatter at {t_s}, accumulation at {limit_s}");
         }
         other => panic!("{other:?}"),
     }
@@ -84,38 +67,16 @@ fn accumulating_bounces_end_in_a_fault_that_names_the_contact() {
 fn relay_switches_at_the_analytic_times() {
     // Triangle between the points −1 and 1 with slopes ∓2: every 1 s.
     let mut patch = Patch::new();
-    let relay = Kind::Relay {
-        points: [-1.0, 1.0],
-        outputs: [2.0, -2.0],
-        initially_on: false,
-    };
+    let relay = Kind::Relay { points: [-1.0, 1.0], outputs: [2.0, -2.0], initially_on: false };
     patch.add("x", integrator(0.0), &["r"]);
     patch.add("r", relay, &["x"]);
-    patch.add(
-        "on",
-        Kind::Comparator {
-            threshold: 0.0,
-            hysteresis: 0.0,
-        },
-        &["-1 * r"],
-    );
+    patch.add("on", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["-1 * r"]);
     patch.add("line", Kind::Interrupt { line: 1 }, &["on"]);
     // An exponential one beside it: dy/dt = s − y, s = ±2 between ∓1: period 2·ln 3.
-    let relay = Kind::Relay {
-        points: [-1.0, 1.0],
-        outputs: [2.0, -2.0],
-        initially_on: false,
-    };
+    let relay = Kind::Relay { points: [-1.0, 1.0], outputs: [2.0, -2.0], initially_on: false };
     patch.add("y", integrator(0.0), &["s", "-1 * y"]);
     patch.add("s", relay, &["y"]);
-    patch.add(
-        "up",
-        Kind::Comparator {
-            threshold: 0.0,
-            hysteresis: 0.0,
-        },
-        &["s"],
-    );
+    patch.add("up", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["s"]);
     patch.add("other", Kind::Interrupt { line: 2 }, &["up"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(20.2)).unwrap();
@@ -129,12 +90,7 @@ fn relay_switches_at_the_analytic_times() {
     assert!(exponential.len() > 15);
     for (n, t_s) in exponential.iter().enumerate() {
         // From 0 to 1 under s = 2: ln 2; then ln 3 each way.
-        close(
-            *t_s,
-            2.0_f64.ln() + n as f64 * 3.0_f64.ln(),
-            1e-8,
-            "exponential",
-        );
+        close(*t_s, 2.0_f64.ln() + n as f64 * 3.0_f64.ln(), 1e-8, "exponential");
     }
 }
 
@@ -146,15 +102,9 @@ fn mass_on_a_belt_sticks_and_slips() {
     patch.add("x", integrator(0.0), &["v"]);
     patch.add("v", integrator(0.0), &["spring", "friction"]);
     patch.add("spring", Kind::Summer, &["4 * t", "-4 * x"]);
-    let friction = Kind::DryFriction {
-        level: 1.0,
-        breakaway: 2.0,
-    };
+    let friction = Kind::DryFriction { level: 1.0, breakaway: 2.0 };
     patch.add("friction", friction, &["v", "spring"]);
-    let moving = Kind::Comparator {
-        threshold: 1e-12,
-        hysteresis: 0.0,
-    };
+    let moving = Kind::Comparator { threshold: 1e-12, hysteresis: 0.0 };
     patch.add("moving", moving, &["v"]);
     patch.add("line", Kind::Interrupt { line: 0 }, &["moving"]);
     let mut simulation = patch.simulation();

@@ -11,23 +11,14 @@ fn undefined_numbers_are_faults() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut patch = Patch::new();
         patch.add("y", integrator(bad), &["-1 * y"]);
-        assert!(matches!(
-            Simulation::new(&patch.ordered()),
-            Err(RunFault::NonFinite { .. })
-        ));
+        assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::NonFinite { .. })));
         let mut patch = Patch::new();
         patch.add("c", Kind::Constant { value: bad }, &[]);
         patch.add("y", integrator(0.0), &["c"]);
-        assert!(matches!(
-            Simulation::new(&patch.ordered()),
-            Err(RunFault::NonFinite { .. })
-        ));
+        assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::NonFinite { .. })));
         let mut patch = oscillator(Method::DormandPrince);
         patch.integration.rtol = bad;
-        assert!(matches!(
-            Simulation::new(&patch.ordered()),
-            Err(RunFault::Setting { .. })
-        ));
+        assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::Setting { .. })));
     }
     // dy/dt = y² from 1 is infinite at t = 1.
     let mut patch = Patch::new();
@@ -35,10 +26,7 @@ fn undefined_numbers_are_faults() {
     patch.add("q", Kind::Square, &["y"]);
     let fault = patch.simulation().advance_to(tick(2.0)).unwrap_err();
     assert!(
-        matches!(
-            fault,
-            RunFault::StepUnderflow { .. } | RunFault::NonFinite { .. }
-        ),
+        matches!(fault, RunFault::StepUnderflow { .. } | RunFault::NonFinite { .. }),
         "{fault}"
     );
 }
@@ -74,10 +62,7 @@ fn zero_divisors_and_negative_roots_are_located() {
 #[test]
 fn a_guarded_root_goes_on_at_zero() {
     let limits = [0.0, 10.0];
-    let limiter = Kind::Limiter {
-        low: Level::Fixed(limits[0]),
-        high: Level::Fixed(limits[1]),
-    };
+    let limiter = Kind::Limiter { low: Level::Fixed(limits[0]), high: Level::Fixed(limits[1]) };
     let stopped = Kind::Integrator {
         ic: 1.0,
         limits: Some(limits),
@@ -85,11 +70,9 @@ fn a_guarded_root_goes_on_at_zero() {
         reset: None,
         reset_to: None,
     };
-    for (ramp, guard) in [
-        (integrator(1.0), limiter),
-        (integrator(1.0), Kind::Max),
-        (stopped, Kind::Summer),
-    ] {
+    for (ramp, guard) in
+        [(integrator(1.0), limiter), (integrator(1.0), Kind::Max), (stopped, Kind::Summer)]
+    {
         let mut patch = Patch::new();
         patch.add("one", Kind::Constant { value: 1.0 }, &[]);
         patch.add("zero", Kind::Constant { value: 0.0 }, &[]);
@@ -123,11 +106,7 @@ fn races_and_chatter_are_faults_not_hangs() {
     // Sliding on a relay without hysteresis.
     let mut patch = Patch::new();
     patch.add("x", integrator(1.0), &["r"]);
-    let relay = Kind::Relay {
-        points: [0.0, 0.0],
-        outputs: [1.0, -1.0],
-        initially_on: true,
-    };
+    let relay = Kind::Relay { points: [0.0, 0.0], outputs: [1.0, -1.0], initially_on: true };
     patch.add("r", relay, &["x"]);
     match patch.simulation().advance_to(tick(2.0)) {
         Err(RunFault::Chatter { block, t_s, .. }) => {
@@ -143,11 +122,7 @@ fn overload_is_latched_where_it_happens() {
     let mut patch = oscillator(Method::DormandPrince);
     // v = −2·sin 2t reaches −1.1 at t = ½·asin(0.55).
     patch.max("v", 1.0);
-    for policy in [
-        OverloadPolicy::Continue,
-        OverloadPolicy::Hold,
-        OverloadPolicy::Stop,
-    ] {
+    for policy in [OverloadPolicy::Continue, OverloadPolicy::Hold, OverloadPolicy::Stop] {
         patch.integration.overload = policy;
         let mut simulation = patch.simulation();
         let advance = simulation.advance_to(tick(5.0)).unwrap();
@@ -155,15 +130,9 @@ fn overload_is_latched_where_it_happens() {
         assert_eq!(simulation.overloads().len(), 1);
         assert_eq!(latched.block, BlockId(1));
         close(latched.t_s, 0.5 * 0.55_f64.asin(), 1e-9, "overload");
-        assert_eq!(
-            advance.stopped_by.is_some(),
-            policy != OverloadPolicy::Continue
-        );
+        assert_eq!(advance.stopped_by.is_some(), policy != OverloadPolicy::Continue);
         let again = simulation.advance_to(tick(6.0)).unwrap();
-        assert_eq!(
-            again.reached == tick(6.0),
-            policy == OverloadPolicy::Continue
-        );
+        assert_eq!(again.reached == tick(6.0), policy == OverloadPolicy::Continue);
     }
 }
 

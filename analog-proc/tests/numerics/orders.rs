@@ -18,12 +18,7 @@ fn oscillator_and_decay_keep_eight_digits() {
     patch.add("y", integrator(3.0), &["-0.7 * y"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(5.0)).unwrap();
-    close(
-        simulation.net(NetId(0)),
-        3.0 * (-3.5_f64).exp(),
-        1e-8,
-        "decay",
-    );
+    close(simulation.net(NetId(0)), 3.0 * (-3.5_f64).exp(), 1e-8, "decay");
 }
 
 /// Slope of log error over log step, at steps forced to one length, over three seconds.
@@ -48,11 +43,7 @@ fn measured_order(method: Method, steps: [u32; 2]) -> f64 {
         patch.integration.rtol = 1e3;
         patch.integration.atol = 1e3;
         // Without a stated size, a state at zero is measured by next to nothing.
-        for name in if linear {
-            &["s", "c"][..]
-        } else {
-            &["s", "c", "y"]
-        } {
+        for name in if linear { &["s", "c"][..] } else { &["s", "c", "y"] } {
             patch.max(name, 3.0);
         }
         let mut simulation = patch.simulation();
@@ -76,10 +67,7 @@ fn every_method_has_its_order() {
         (Method::Sdirk4, 4.0, [40, 80]),
     ] {
         let measured = measured_order(method, steps);
-        assert!(
-            (measured - order).abs() < 0.2,
-            "{method:?}: order {measured}"
-        );
+        assert!((measured - order).abs() < 0.2, "{method:?}: order {measured}");
     }
 }
 
@@ -161,15 +149,6 @@ fn stiff_oscillator_needs_few_steps() {
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(2000.0)).unwrap();
     // One tolerance a step, all of one sign, over a thousand steps.
-    close(
-        simulation.net(NetId(0)),
-        van_der_pol_by_runge_kutta(),
-        1e-3,
-        "x(2000)",
-    );
-    assert!(
-        simulation.statistics().steps < 4000,
-        "{:?}",
-        simulation.statistics()
-    );
+    close(simulation.net(NetId(0)), van_der_pol_by_runge_kutta(), 1e-3, "x(2000)");
+    assert!(simulation.statistics().steps < 4000, "{:?}", simulation.statistics());
 }

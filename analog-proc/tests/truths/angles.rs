@@ -10,10 +10,7 @@ fn right(found: f64, y: f64, x: f64, what: &str) {
     assert!(found > -PI - 1e-9 && found <= PI + 1e-9, "{what}: {found}");
     let truth = y.atan2(x);
     let error = (found - truth).abs();
-    assert!(
-        error < 1e-6 || (TAU - error).abs() < 1e-6,
-        "{what}: {found} instead of {truth}"
-    );
+    assert!(error < 1e-6 || (TAU - error).abs() < 1e-6, "{what}: {found} instead of {truth}");
 }
 
 #[test]
@@ -29,27 +26,14 @@ fn a_turning_vector_stays_within_half_a_turn() {
             .simulation
             .advance_recording(tick(4.1), tick(0.000_7), &[angle], |t, row| {
                 let turn = TAU * frequency * t;
-                right(
-                    row[0],
-                    turn.sin(),
-                    turn.cos(),
-                    &format!("{frequency} Hz at {t} s"),
-                );
+                right(row[0], turn.sin(), turn.cos(), &format!("{frequency} Hz at {t} s"));
             })
             .unwrap();
         let turns = (frequency * 4.1).floor();
         let rest = TAU * (frequency * 4.1 - turns);
-        assert_eq!(
-            bench.net("n"),
-            turns + f64::from(rest > 3.0),
-            "{frequency} Hz"
-        );
+        assert_eq!(bench.net("n"), turns + f64::from(rest > 3.0), "{frequency} Hz");
         let over = |a: f64| {
-            if a <= PI {
-                0.5 * a * a
-            } else {
-                0.5 * PI * PI + 0.5 * ((a - TAU).powi(2) - PI * PI)
-            }
+            if a <= PI { 0.5 * a * a } else { 0.5 * PI * PI + 0.5 * ((a - TAU).powi(2) - PI * PI) }
         };
         let truth = over(rest) / (TAU * frequency);
         let found = bench.net("x");
@@ -79,10 +63,7 @@ fn a_vector_passes_near_the_origin() {
             let passed = 1.0 + bisect(|u| 0.5 - h.atan2(u), -1.0, 0.7);
             let edges = bench.edges(1, sign < 0.0);
             assert_eq!(edges.len(), 1, "h = {h}");
-            assert!(
-                (edges[0] - passed).abs() < 1e-9,
-                "h = {h}: {edges:?}, {passed}"
-            );
+            assert!((edges[0] - passed).abs() < 1e-9, "h = {h}: {edges:?}, {passed}");
         }
     }
 }
@@ -110,12 +91,7 @@ fn an_ellipse_that_all_but_touches_the_origin_turns_once_a_period() {
         .simulation
         .advance_recording(tick(100.0), tick(0.0017), &[angle], |t, row| {
             let a = TAU * t + 0.3;
-            right(
-                row[0],
-                0.05 * a.sin(),
-                1.001 * a.cos() - 1.0,
-                &format!("at {t} s"),
-            );
+            right(row[0], 0.05 * a.sin(), 1.001 * a.cos() - 1.0, &format!("at {t} s"));
         })
         .unwrap();
     // The upper half is entered once a turn, and u is positive about each turn's start.
@@ -131,11 +107,7 @@ fn a_vector_that_leaves_the_origin_has_its_direction_at_once() {
         angle = { kind = "arctangent", in = ["-1 * v", "-1 * v"] }
         area = { kind = "integrator", in = ["angle"] }
     "#;
-    for integration in [
-        "",
-        "method = \"runge-kutta-4\"\nstep = 0.01",
-        "method = \"sdirk4\"",
-    ] {
+    for integration in ["", "method = \"runge-kutta-4\"\nstep = 0.01", "method = \"sdirk4\""] {
         let mut bench = Bench::with(integration, blocks);
         bench.run(2.1);
         let error = (bench.net("area") - PI / 4.0 * (2.1 - 0.82)).abs();

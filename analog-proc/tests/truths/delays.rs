@@ -12,19 +12,10 @@ fn a_generators_sine_comes_out_unharmed() {
         ));
         let truth = |t: f64| {
             // At the very instant at which the past begins, the row shows what follows.
-            if t < delay_s - 1e-9 {
-                0.0
-            } else {
-                (TAU * frequency * (t - delay_s) + 0.3).sin()
-            }
+            if t < delay_s - 1e-9 { 0.0 } else { (TAU * frequency * (t - delay_s) + 0.3).sin() }
         };
         let worst = bench.worst("d", 10.0, 1e-3, truth);
-        assert!(
-            worst.0 <= 1e-9,
-            "{frequency} Hz by {delay_s} s: {:e} at {} s",
-            worst.0,
-            worst.1
-        );
+        assert!(worst.0 <= 1e-9, "{frequency} Hz by {delay_s} s: {:e} at {} s", worst.0, worst.1);
     }
 }
 
@@ -33,13 +24,8 @@ fn a_sine_of_time_comes_out_unharmed() {
     let mut bench = Bench::new(
         "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"] }\nd = { kind = \"transport-delay\", in = [\"s\"], delay = 5.0 }",
     );
-    let worst = bench.worst("d", 12.0, 1e-3, |t| {
-        if t < 5.0 {
-            0.0
-        } else {
-            (TAU * (t - 5.0)).sin()
-        }
-    });
+    let worst =
+        bench.worst("d", 12.0, 1e-3, |t| if t < 5.0 { 0.0 } else { (TAU * (t - 5.0)).sin() });
     assert!(worst.0 <= 1e-9, "{:e} at {} s", worst.0, worst.1);
 }
 
@@ -84,11 +70,7 @@ fn a_comparator_watches_a_loop_of_one_delay() {
             if (value > 0.0) != high {
                 high = !high;
                 if high {
-                    let at = if i == 0 {
-                        from
-                    } else {
-                        bisect(|t| d(t, stretch) - 0.7, before, t)
-                    };
+                    let at = if i == 0 { from } else { bisect(|t| d(t, stretch) - 0.7, before, t) };
                     rises.push(at);
                 }
             }

@@ -70,10 +70,7 @@ fn an_overload_of_a_sine_of_time_stops_the_run() {
             0.9,
             "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"], max = MAX }",
         ),
-        (
-            0.999 / 1.1,
-            "s = { kind = \"signal-generator\", wave = \"sine\", max = MAX }",
-        ),
+        (0.999 / 1.1, "s = { kind = \"signal-generator\", wave = \"sine\", max = MAX }"),
     ];
     for (max, sources) in cases {
         let blocks = sources.replace("MAX", &format!("{max:?}"));

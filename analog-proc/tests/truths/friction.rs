@@ -74,11 +74,7 @@ fn a_relay_loop_is_linearised_by_its_dither() {
             while to < 5.0 && e(to + 5e-5) >= 0.0 {
                 to += 5e-5;
             }
-            let end = if to >= 5.0 {
-                5.0
-            } else {
-                bisect(e, to, to + 5e-5).min(5.0)
-            };
+            let end = if to >= 5.0 { 5.0 } else { bisect(e, to, to + 5e-5).min(5.0) };
             x -= u * (end - t);
             t = end;
             u = -u;

@@ -7,9 +7,7 @@ use crate::{TAU, close};
 const SINE_OF_TIME: &str = "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"] }\none = { kind = \"constant\", value = 1.0 }\nzero = { kind = \"constant\" , value = 0.0 }\n";
 
 fn run(blocks: &str, until_s: f64) -> f64 {
-    Bench::new(&format!("{SINE_OF_TIME}{blocks}"))
-        .run(until_s)
-        .net("x")
+    Bench::new(&format!("{SINE_OF_TIME}{blocks}")).run(until_s).net("x")
 }
 
 #[test]
@@ -27,12 +25,7 @@ fn limiter_of_a_sixteenth_power() {
     let found = Bench::new(blocks).run(1000.0).net("x");
     // Two thousand bumps between the angles at which the power is 0.9.
     let edge = 0.9_f64.powf(1.0 / 16.0).asin();
-    let bump = integral(
-        |a| a.sin().powi(16) - 0.9,
-        edge,
-        std::f64::consts::PI - edge,
-        8,
-    );
+    let bump = integral(|a| a.sin().powi(16) - 0.9, edge, std::f64::consts::PI - edge, 8);
     // A step errs by 1e-10 of the value: some ten steps a bump, were all to err alike.
     close(found, 2000.0 * bump / TAU, 1e-7, "integral");
 }
@@ -48,12 +41,7 @@ fn switch_closed_for_a_seventieth_of_the_time() {
         x = { kind = "integrator", in = ["y"] }
     "#;
     let found = Bench::new(blocks).run(100.0).net("x");
-    close(
-        found,
-        100.0 * 2.0 * 0.999_f64.acos() / TAU,
-        1e-8,
-        "integral",
-    );
+    close(found, 100.0 * 2.0 * 0.999_f64.acos() / TAU, 1e-8, "integral");
 }
 
 /// ∫ (sin a − 0.9) da over the moment in which it is positive.
@@ -76,12 +64,7 @@ fn integrator_leaves_its_stop_once_a_period() {
     let y = |a: f64| (edge.cos() - a.cos() - 0.9 * (a - edge)) / TAU;
     let back = bisect(|a| -y(a), std::f64::consts::PI - edge, 4.0);
     let area = integral(y, edge, back, 16) / TAU;
-    close(
-        run(blocks, 10.0),
-        10.0 * area,
-        1e-8,
-        "integral off the stop",
-    );
+    close(run(blocks, 10.0), 10.0 * area, 1e-8, "integral off the stop");
 }
 
 #[test]
@@ -90,12 +73,7 @@ fn gated_integrator_runs_for_a_third_of_the_time() {
     close(run(blocks, 100.0), 100.0 / 3.0, 1e-8, "gated time");
     // At 0.9999 the gate is open for 4.5 ms a second.
     let blocks = blocks.replace("0.5", "0.9999");
-    close(
-        run(&blocks, 100.0),
-        100.0 * 2.0 * 0.9999_f64.acos() / TAU,
-        1e-8,
-        "gated time",
-    );
+    close(run(&blocks, 100.0), 100.0 * 2.0 * 0.9999_f64.acos() / TAU, 1e-8, "gated time");
 }
 
 #[test]

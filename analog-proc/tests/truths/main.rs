@@ -27,8 +27,5 @@ use std::f64::consts::TAU;
 /// Asserts a relative error.
 fn close(found: f64, expected: f64, relative: f64, what: &str) {
     let error = (found - expected).abs() / expected.abs();
-    assert!(
-        error <= relative,
-        "{what}: {found} instead of {expected}, relative error {error:e}"
-    );
+    assert!(error <= relative, "{what}: {found} instead of {expected}, relative error {error:e}");
 }

@@ -25,10 +25,7 @@ fn same_in_any_order(common: &str, lines: &[&str], until_s: f64, net: &str, trut
     for order in orders(lines) {
         let blocks = format!("{common}\n{}\n{}", order.join("\n"), "");
         let found = Bench::new(&blocks).run(until_s).net(net);
-        assert!(
-            (found - truth).abs() <= 1e-8,
-            "{net} = {found} instead of {truth} in\n{blocks}"
-        );
+        assert!((found - truth).abs() <= 1e-8, "{net} = {found} instead of {truth} in\n{blocks}");
     }
 }
 

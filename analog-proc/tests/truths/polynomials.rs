@@ -80,12 +80,7 @@ fn a_parabola_crosses_a_table_of_two_variables() {
     let b = |t: f64| 0.3 + 0.4 * t;
     let xs = [0.0, 0.5, 0.999, 1.5];
     let ys = [0.0, 0.5, 1.0];
-    let zs = [
-        [0.0, 1.0, 0.0],
-        [2.0, 3.0, -1.0],
-        [0.0, 1.0, 5.0],
-        [5000.0, 7000.0, -3000.0],
-    ];
+    let zs = [[0.0, 1.0, 0.0], [2.0, 3.0, -1.0], [0.0, 1.0, 5.0], [5000.0, 7000.0, -3000.0]];
     let z = |t: f64| {
         let (a, b) = (a(t).clamp(0.0, 1.5), b(t).clamp(0.0, 1.0));
         let i = if a < 0.5 {
@@ -96,10 +91,7 @@ fn a_parabola_crosses_a_table_of_two_variables() {
             2
         };
         let j = usize::from(b >= 0.5);
-        let (u, v) = (
-            (a - xs[i]) / (xs[i + 1] - xs[i]),
-            (b - ys[j]) / (ys[j + 1] - ys[j]),
-        );
+        let (u, v) = ((a - xs[i]) / (xs[i + 1] - xs[i]), (b - ys[j]) / (ys[j + 1] - ys[j]));
         (1.0 - u) * ((1.0 - v) * zs[i][j] + v * zs[i][j + 1])
             + u * ((1.0 - v) * zs[i + 1][j] + v * zs[i + 1][j + 1])
     };

@@ -74,21 +74,12 @@ impl Valve {
     }
 
     fn run(until: f64) -> Valve {
-        let mut valve = Valve {
-            t: 0.0,
-            x: 0.0,
-            left: 0.0,
-            right: 0.0,
-        };
+        let mut valve = Valve { t: 0.0, x: 0.0, left: 0.0, right: 0.0 };
         while valve.t < until {
             let x = valve.x;
             let mut away = [until; 2];
             for (away, direction) in away.iter_mut().zip([1.0, -1.0]) {
-                let blocked = if direction > 0.0 {
-                    x >= Self::TRAVEL
-                } else {
-                    x <= 0.0
-                };
+                let blocked = if direction > 0.0 { x >= Self::TRAVEL } else { x <= 0.0 };
                 if !blocked {
                     *away = Self::first(valve.t, until, |t| {
                         Self::LEVEL - direction * Self::force(t, x)
@@ -155,25 +146,15 @@ impl Loop {
     }
 
     fn run(until: f64, each: impl Fn(f64, f64, f64)) -> Loop {
-        let mut this = Loop {
-            t: 0.0,
-            charge: 0.0,
-            control: 0.0,
-            turns: -2.0 / TAU,
-            pump: 0.0,
-            edges: 0.0,
-        };
+        let mut this =
+            Loop { t: 0.0, charge: 0.0, control: 0.0, turns: -2.0 / TAU, pump: 0.0, edges: 0.0 };
         let (mut references, mut row) = (0.0, 1.0);
         loop {
             let reference = (1.0 / TAU + references) / 160.0;
             let due = this.turns.floor() + 1.0;
             // A turn takes less than 1/100 s.
             let oscillator = if this.edges > 0.0 || this.turns < 0.0 {
-                let due = if this.edges == 0.0 {
-                    0.0
-                } else {
-                    due.max(this.edges)
-                };
+                let due = if this.edges == 0.0 { 0.0 } else { due.max(this.edges) };
                 this.t + bisect(|s| this.after(s).2 - due, 0.0, 0.02)
             } else {
                 f64::INFINITY
@@ -210,10 +191,7 @@ fn a_phase_locked_loop_slips_and_locks_as_it_does() {
         bench.run(t);
         // The states move by the pump's rates with the edges, whose instants are good to 1e-9 s.
         let errors = (bench.net("charge") - charge, bench.net("control") - control);
-        assert!(
-            errors.0.abs() < 1e-8 && errors.1.abs() < 1e-7,
-            "{errors:?} at {t} s"
-        );
+        assert!(errors.0.abs() < 1e-8 && errors.1.abs() < 1e-7, "{errors:?} at {t} s");
     }
     bench.run(20.0);
     assert_eq!(bench.net("osc_count"), truth.edges);

@@ -27,12 +27,7 @@ fn a_small_signal_beside_a_large_one_keeps_seven_digits() {
         "x = {{ kind = \"integrator\", in = [\"{TAU:?} * v\"], ic = 1e3 }}\nv = {{ kind = \"integrator\", in = [\"-{TAU:?} * x\"] }}\ny = {{ kind = \"integrator\", in = [\"1e-12 * x\"] }}"
     ));
     let worst = bench.worst("y", 10.0, 1e-2, |t| 1e-9 * (TAU * t).sin() / TAU);
-    assert!(
-        worst.0 <= 1e-7 * 1e-9 / TAU,
-        "{:e} at {} s",
-        worst.0,
-        worst.1
-    );
+    assert!(worst.0 <= 1e-7 * 1e-9 / TAU, "{:e} at {} s", worst.0, worst.1);
 }
 
 #[test]

@@ -65,12 +65,8 @@ impl CaseStudy {
         let clock = Instant::now();
         let started = UtcSecond::from_system(SystemTime::now());
         let (vehicle, study) = self.input.load()?;
-        let own = self
-            .failures
-            .as_deref()
-            .map(FailureFile::load)
-            .transpose()
-            .map_err(Failure::input)?;
+        let own =
+            self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
         let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
         let dispersions = match &self.dispersions {
             _ if self.no_sensitivity => None,
@@ -96,10 +92,7 @@ impl CaseStudy {
         });
         progress.done();
         let results = results?;
-        let stage_patch = (
-            plan.long.patch.root.clone(),
-            console.patch_hash().to_owned(),
-        );
+        let stage_patch = (plan.long.patch.root.clone(), console.patch_hash().to_owned());
         console.bye()?;
         drop(machine);
 
@@ -111,14 +104,7 @@ impl CaseStudy {
         parameters.insert("failure-file".to_owned(), failures.file.clone().into());
         let mut patches = results.short.answers.patches.clone();
         patches.push(stage_patch);
-        let record = record(
-            "case-study",
-            &self.machine,
-            &profile,
-            started,
-            &patches,
-            parameters,
-        );
+        let record = record("case-study", &self.machine, &profile, started, &patches, parameters);
         directory.write_record(&record)?;
         let summary = results.summary();
         directory.write_summary(&summary)?;
@@ -153,10 +139,7 @@ fn print_claims(results: &CaseResults) {
     let claims = results.claims();
     let judged = claims_text(&report_claims(&claims, |_| false));
     say!("{}", judged.trim_end());
-    let noted: Vec<_> = claims
-        .iter()
-        .filter_map(|c| Some((c.id, c.remark.as_ref()?)))
-        .collect();
+    let noted: Vec<_> = claims.iter().filter_map(|c| Some((c.id, c.remark.as_ref()?))).collect();
     if !noted.is_empty() {
         say!("\nNoted beside:");
         for (id, remark) in noted {
@@ -180,12 +163,8 @@ fn verdict(results: &CaseResults) -> Result<(), Failure> {
     if results.holds() {
         return Ok(());
     }
-    let mut failed: Vec<&str> = results
-        .claims()
-        .iter()
-        .filter(|c| !c.holds())
-        .map(|c| c.id)
-        .collect();
+    let mut failed: Vec<&str> =
+        results.claims().iter().filter(|c| !c.holds()).map(|c| c.id).collect();
     if results.short.disagreements().next().is_some() {
         failed.push("agreement with the linearised loop");
     }
@@ -212,7 +191,5 @@ fn write_histories(
     let step = plan.long.step.0;
     let end = long.nominal_history.time_s.last().copied().unwrap_or(0.0);
     let end = Tick::from_secs(end).unwrap_or(Tick(i64::MAX));
-    curves.write(directory, TRACE_FILE, |row| {
-        Tick(step * row as i64).min(end)
-    })
+    curves.write(directory, TRACE_FILE, |row| Tick(step * row as i64).min(end))
 }

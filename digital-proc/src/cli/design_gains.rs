@@ -58,9 +58,7 @@ struct Designed {
 impl Designed {
     fn levels(&self) -> Vec<Level<'_>> {
         let trials = self.merging.levels.iter();
-        trials
-            .zip(self.re_evaluated.iter().map(Vec::as_slice))
-            .collect()
+        trials.zip(self.re_evaluated.iter().map(Vec::as_slice)).collect()
     }
 
     /// A design that leads to no accepted schedule has failed its check.
@@ -80,23 +78,15 @@ impl DesignGains {
         }
         let vehicle = self.study.vehicle()?;
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let mut run = StudyRun::begin(
-            "design-gains",
-            &self.study,
-            &self.machine,
-            &profile,
-            &vehicle,
-        )?;
+        let mut run =
+            StudyRun::begin("design-gains", &self.study, &self.machine, &profile, &vehicle)?;
         run.set("evaluations", self.evaluations as i64);
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
 
         let bench = PitchBench::load(&mut console, &profile)?;
         run.patch("pitch-loop.toml", console.patch_hash());
-        let effort = Effort {
-            evaluations: self.evaluations,
-            ..EFFORT
-        };
+        let effort = Effort { evaluations: self.evaluations, ..EFFORT };
         let design = design(
             &mut console,
             &bench,
@@ -114,40 +104,25 @@ impl DesignGains {
             },
         )?;
         let plan = LongPeriodPlan::new(Vec::new(), profile.clone());
-        let merging = merge(
-            &mut console,
-            &vehicle,
-            &plan,
-            &design.schedule,
-            |level, flights| {
-                note!(
-                    "{} switchings: {:.1} kPa deg after {flights} flights",
-                    level.schedule.switch_time_s.len() - 1,
-                    level.max_q_alpha_padeg / 1e3
-                );
-            },
-        )?;
+        let merging = merge(&mut console, &vehicle, &plan, &design.schedule, |level, flights| {
+            note!(
+                "{} switchings: {:.1} kPa deg after {flights} flights",
+                level.schedule.switch_time_s.len() - 1,
+                level.max_q_alpha_padeg / 1e3
+            );
+        })?;
         let bench = PitchBench::load(&mut console, &profile)?;
         let re_evaluated = merging
             .levels
             .iter()
             .map(|level| evaluate(&mut console, &bench, &vehicle, &level.schedule))
             .collect::<Result<Vec<_>, _>>()?;
-        let shipped_reduced = evaluate(
-            &mut console,
-            &bench,
-            &vehicle,
-            &vehicle.data().gains_reduced,
-        )?;
+        let shipped_reduced =
+            evaluate(&mut console, &bench, &vehicle, &vehicle.data().gains_reduced)?;
         console.bye()?;
         drop(machine);
-        let mut designed = Designed {
-            design,
-            merging,
-            re_evaluated,
-            shipped_reduced,
-            none_accepted: None,
-        };
+        let mut designed =
+            Designed { design, merging, re_evaluated, shipped_reduced, none_accepted: None };
         let levels = designed.levels();
         if fewest_accepted(&levels).is_none() {
             designed.none_accepted = Some(none_accepted(&levels));
@@ -188,11 +163,7 @@ impl DesignGains {
             return all.verdict();
         }
         say!("Criteria\n{}", criteria_table(&all.design.criteria).text());
-        say!(
-            "Designed by {} runs\n{}",
-            all.design.runs,
-            design_table(&all.design).text()
-        );
+        say!("Designed by {} runs\n{}", all.design.runs, design_table(&all.design).text());
         say!("{designed}");
         say!("{}", as_toml("gains", "shipped", &shipped));
         say!(
@@ -201,10 +172,7 @@ impl DesignGains {
             merging_table(&levels).text()
         );
         say!("{reduced}");
-        say!(
-            "{}",
-            as_toml("gains_reduced", "shipped", &data.gains_reduced)
-        );
+        say!("{}", as_toml("gains_reduced", "shipped", &data.gains_reduced));
         say!(
             "The shipped reduced schedule seen by the short-period model\n{}",
             evaluation_table(&all.shipped_reduced).text()
@@ -220,11 +188,7 @@ impl DesignGains {
                     .map_or("it diverges".to_owned(), |v| format!("{:.0} %", 100.0 * v))
             );
         }
-        say!(
-            "schedules: {}\nreport: {}",
-            file.display(),
-            report.display()
-        );
+        say!("schedules: {}\nreport: {}", file.display(), report.display());
         all.verdict()
     }
 }

@@ -23,27 +23,18 @@ pub struct Failure {
 impl Failure {
     /// Bad input or usage.
     pub fn input(error: impl std::fmt::Display) -> Failure {
-        Failure {
-            code: BAD_INPUT,
-            text: error.to_string(),
-        }
+        Failure { code: BAD_INPUT, text: error.to_string() }
     }
 
     /// Output that could not be written.
     pub fn output(error: impl std::fmt::Display) -> Failure {
-        Failure {
-            code: OUTPUT_FAILED,
-            text: error.to_string(),
-        }
+        Failure { code: OUTPUT_FAILED, text: error.to_string() }
     }
 
     /// A claim or check that failed: what befell, and which, if they have names.
     pub fn failed(what: &str, items: &[&str]) -> Failure {
         let colon = if items.is_empty() { "" } else { ": " };
-        Failure {
-            code: CHECK_FAILED,
-            text: format!("{what}{colon}{}", items.join(", ")),
-        }
+        Failure { code: CHECK_FAILED, text: format!("{what}{colon}{}", items.join(", ")) }
     }
 
     /// The same failure with a further line.
@@ -78,10 +69,7 @@ impl From<LinkFault> for Failure {
             LinkFault::Interrupted { .. } => INTERRUPTED,
             _ => PARTNER_FAILED,
         };
-        Failure {
-            code,
-            text: fault.to_string(),
-        }
+        Failure { code, text: fault.to_string() }
     }
 }
 
@@ -89,10 +77,9 @@ impl From<ConsoleFault> for Failure {
     fn from(fault: ConsoleFault) -> Failure {
         match fault {
             ConsoleFault::Link(fault) => fault.into(),
-            ConsoleFault::WrongReply { .. } => Failure {
-                code: PARTNER_FAILED,
-                text: fault.to_string(),
-            },
+            ConsoleFault::WrongReply { .. } => {
+                Failure { code: PARTNER_FAILED, text: fault.to_string() }
+            }
             other => Failure::input(other),
         }
     }
@@ -102,10 +89,7 @@ impl From<LaunchFault> for Failure {
     fn from(fault: LaunchFault) -> Failure {
         match fault {
             LaunchFault::Link(fault) => fault.into(),
-            LaunchFault::Spawn(_) => Failure {
-                code: PARTNER_FAILED,
-                text: fault.to_string(),
-            },
+            LaunchFault::Spawn(_) => Failure { code: PARTNER_FAILED, text: fault.to_string() },
             LaunchFault::Session(fault) => Failure::input(fault),
             LaunchFault::Files(text) => Failure::input(text),
         }

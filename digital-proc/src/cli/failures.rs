@@ -30,12 +30,8 @@ impl Failures {
             say!("{}", SHIPPED_TEXT.trim_end());
             return Ok(());
         }
-        let own = self
-            .file
-            .as_deref()
-            .map(FailureFile::load)
-            .transpose()
-            .map_err(Failure::input)?;
+        let own =
+            self.file.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
         let file = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
         let mut table = Table::new(vec![
             Heading::new("Mode", ""),

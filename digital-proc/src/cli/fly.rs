@@ -67,20 +67,10 @@ pub struct Fly {
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
     /// Thrust misalignment in pitch, as a fraction of 3 sigma
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "FRACTION",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
     misalign_pitch: f64,
     /// Thrust misalignment in yaw, as a fraction of 3 sigma
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "FRACTION",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
     misalign_yaw: f64,
     /// Wind and misalignments of the vehicle's design case for failure modes
     #[arg(long, conflicts_with_all = ["wind", "misalign_pitch", "misalign_yaw"])]
@@ -120,10 +110,8 @@ impl Fly {
 
         let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)?;
         let keep = |failure: Failure| {
-            failure.and(format!(
-                "what was recorded up to there is in {}",
-                directory.path().display()
-            ))
+            failure
+                .and(format!("what was recorded up to there is in {}", directory.path().display()))
         };
         let record = self.record(&plan_record, started, console.patch_hash())?;
         directory.write_record(&record)?;
@@ -151,19 +139,13 @@ impl Fly {
             }
             Ok(())
         };
-        let flown = stage.fly_timed(
-            &mut console,
-            &vehicle,
-            &plan,
-            timing,
-            told,
-            |frame, result| {
+        let flown =
+            stage.fly_timed(&mut console, &vehicle, &plan, timing, told, |frame, result| {
                 progress.at(result.sample.time_s as u64);
                 saturations.note(frame);
                 rows.push(frame.tick, &trace::row(frame, result))?;
                 Ok(())
-            },
-        );
+            });
         progress.done();
         let closed = rows.finish();
         let pacing = match paced {
@@ -203,21 +185,13 @@ impl Fly {
             say!("{}", context.title);
             say!("{}", results.text());
             for o in &overloads {
-                say!(
-                    "overload: {} at {:.4} s ({:.4})",
-                    o.block,
-                    o.time_s,
-                    o.value
-                );
+                say!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value);
             }
             if !saturated.is_empty() {
                 say!("saturated: {}", saturated.join(", "));
             }
             for (table, edge) in summary.edges.iter() {
-                say!(
-                    "table edge: {} {edge:?}; its end value was held",
-                    table.label()
-                );
+                say!("table edge: {} {edge:?}; its end value was held", table.label());
             }
             if let Some(pacing) = &pacing {
                 say!("{}", pacing_text(pacing).trim_end());
@@ -228,11 +202,8 @@ impl Fly {
     }
 
     fn report_context(&self, vehicle: &Vehicle) -> FlightContext {
-        let case = if self.design_case {
-            "; wind and misalignments of the design case"
-        } else {
-            ""
-        };
+        let case =
+            if self.design_case { "; wind and misalignments of the design case" } else { "" };
         FlightContext {
             title: format!("First-stage flight, mode {}{case}", self.mode),
             lead: "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.".into(),
@@ -245,12 +216,8 @@ impl Fly {
     /// The command line as everything that the flight follows from.
     fn plan_record(&self, vehicle: &Vehicle) -> Result<PlanRecord, Failure> {
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let own = self
-            .failures
-            .as_deref()
-            .map(FailureFile::load)
-            .transpose()
-            .map_err(Failure::input)?;
+        let own =
+            self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
         let script = own
             .as_ref()
             .unwrap_or_else(|| FailureFile::shipped())
@@ -342,46 +309,13 @@ fn results(vehicle: &Vehicle, s: &FlightSummary) -> Summary {
         results.add(key, label, value, digits, unit, note);
     };
     let q = &s.max_dynamic_pressure;
-    let at = format!(
-        "at {:.1} s, Mach {:.2}, {:.2} km",
-        q.time_s,
-        q.mach,
-        q.altitude_m / 1e3
-    );
+    let at = format!("at {:.1} s, Mach {:.2}, {:.2} km", q.time_s, q.mach, q.altitude_m / 1e3);
     add("max_q_pa", "Maximum dynamic pressure", q.value, 5, "Pa", at);
-    add(
-        "max_q_time_s",
-        "  its time",
-        q.time_s,
-        4,
-        "s",
-        String::new(),
-    );
-    add(
-        "max_q_mach",
-        "  its Mach number",
-        q.mach,
-        4,
-        "",
-        String::new(),
-    );
-    add(
-        "max_q_altitude_m",
-        "  its altitude",
-        q.altitude_m,
-        5,
-        "m",
-        String::new(),
-    );
+    add("max_q_time_s", "  its time", q.time_s, 4, "s", String::new());
+    add("max_q_mach", "  its Mach number", q.mach, 4, "", String::new());
+    add("max_q_altitude_m", "  its altitude", q.altitude_m, 5, "m", String::new());
     let end = format!("at {:.2} s", s.end_time_s);
-    add(
-        "burn_out_velocity_m_s",
-        "Burn-out velocity",
-        s.end.speed_mps,
-        6,
-        "m/s",
-        end,
-    );
+    add("burn_out_velocity_m_s", "Burn-out velocity", s.end.speed_mps, 6, "m/s", end);
     let gamma = s.end.path_angle_rad.to_degrees();
     add(
         "burn_out_flight_path_angle_deg",
@@ -391,44 +325,16 @@ fn results(vehicle: &Vehicle, s: &FlightSummary) -> Summary {
         "deg",
         String::new(),
     );
-    add(
-        "burn_out_altitude_m",
-        "Burn-out altitude",
-        s.end.altitude_m,
-        6,
-        "m",
-        String::new(),
-    );
-    add(
-        "burn_out_range_m",
-        "Burn-out range",
-        s.range_m,
-        6,
-        "m",
-        String::new(),
-    );
+    add("burn_out_altitude_m", "Burn-out altitude", s.end.altitude_m, 6, "m", String::new());
+    add("burn_out_range_m", "Burn-out range", s.range_m, 6, "m", String::new());
     let limit = vehicle.data().limits.q_alpha_padeg;
     let margin = format!(
         "at {:.1} s; {:.0} % of the limit {limit:.4e}",
         s.max_q_alpha.time_s,
         100.0 * s.max_q_alpha.value / limit
     );
-    add(
-        "max_q_alpha_pa_deg",
-        "Maximum Q alpha",
-        s.max_q_alpha.value,
-        5,
-        "Pa deg",
-        margin,
-    );
-    add(
-        "max_roll_deg",
-        "Maximum roll",
-        s.max_roll_rad.to_degrees(),
-        4,
-        "deg",
-        String::new(),
-    );
+    add("max_q_alpha_pa_deg", "Maximum Q alpha", s.max_q_alpha.value, 5, "Pa deg", margin);
+    add("max_roll_deg", "Maximum roll", s.max_roll_rad.to_degrees(), 4, "deg", String::new());
     add(
         "tvc_impulse_pitch_n_s",
         "TVC impulse, pitch",
@@ -437,21 +343,7 @@ fn results(vehicle: &Vehicle, s: &FlightSummary) -> Summary {
         "N s",
         String::new(),
     );
-    add(
-        "tvc_impulse_yaw_n_s",
-        "TVC impulse, yaw",
-        s.tvc_yaw_impulse_ns,
-        5,
-        "N s",
-        String::new(),
-    );
-    add(
-        "injectant_kg",
-        "Injectant used",
-        s.injectant_kg,
-        4,
-        "kg",
-        String::new(),
-    );
+    add("tvc_impulse_yaw_n_s", "TVC impulse, yaw", s.tvc_yaw_impulse_ns, 5, "N s", String::new());
+    add("injectant_kg", "Injectant used", s.injectant_kg, 4, "kg", String::new());
     results
 }

@@ -49,21 +49,12 @@ struct Outcome<'a> {
 impl LongPeriod {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let vehicle = self.study.vehicle()?;
-        let own = self
-            .failures
-            .as_deref()
-            .map(FailureFile::load)
-            .transpose()
-            .map_err(Failure::input)?;
+        let own =
+            self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
         let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let mut record = StudyRun::begin(
-            "long-period",
-            &self.study,
-            &self.machine,
-            &profile,
-            &vehicle,
-        )?;
+        let mut record =
+            StudyRun::begin("long-period", &self.study, &self.machine, &profile, &vehicle)?;
         record.set("failures", failures.file.as_str());
         let plan = LongPeriodPlan::new(failures.modes.clone(), profile);
         let mut machine = self.machine.start(context)?;
@@ -83,10 +74,7 @@ impl LongPeriod {
             .iter()
             .map(|claim| report::Claim::of(claim, Some("#modes".to_owned())))
             .collect();
-        let outcome = Outcome {
-            claims: &claims,
-            results: &results,
-        };
+        let outcome = Outcome { claims: &claims, results: &results };
         let page = record.finish(
             &outcome,
             "Long-period study",
@@ -94,20 +82,14 @@ impl LongPeriod {
             long_period_sections(&results, report::claims_table(&shown)),
         )?;
         if self.machine.json {
-            say!(
-                "{}",
-                serde_json::to_string_pretty(&outcome).map_err(Failure::input)?
-            );
+            say!("{}", serde_json::to_string_pretty(&outcome).map_err(Failure::input)?);
         } else {
             say!("Design case\n{}", mode_table(&results).text());
             say!(
                 "Largest Q alpha over wind and pitch misalignment (fractions of 3 sigma)\n{}",
                 load_table(&results).text()
             );
-            say!(
-                "Side-force fluid over the same\n{}",
-                fuel_table(&results).text()
-            );
+            say!("Side-force fluid over the same\n{}", fuel_table(&results).text());
             say!("{}.\n", fuel_words(&results));
             say!("{}", report::claims_text(&shown));
             for claim in claims.iter().filter(|c| c.verdict == Verdict::Holds) {
@@ -117,15 +99,8 @@ impl LongPeriod {
             }
             say!("report: {}", page.display());
         }
-        let failed: Vec<&str> = claims
-            .iter()
-            .filter(|c| c.verdict == Verdict::Fails)
-            .map(|c| c.id)
-            .collect();
-        if failed.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::failed("does not hold", &failed))
-        }
+        let failed: Vec<&str> =
+            claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id).collect();
+        if failed.is_empty() { Ok(()) } else { Err(Failure::failed("does not hold", &failed)) }
     }
 }

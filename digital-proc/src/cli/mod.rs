@@ -38,12 +38,7 @@ use std::{
 ///     digital-proc fly --mode roll-lost     with a failure of the roll control
 ///     digital-proc list                     the runs so far
 #[derive(Parser)]
-#[command(
-    name = "digital-proc",
-    version,
-    verbatim_doc_comment,
-    propagate_version = true
-)]
+#[command(name = "digital-proc", version, verbatim_doc_comment, propagate_version = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -143,11 +138,7 @@ impl JoinArgs {
             (None, LinkName::Shm) => LinkChoice::Shm,
             (None, LinkName::Memory) => LinkChoice::Memory,
         };
-        Ok(Started::new(
-            &link,
-            context.analog,
-            context.interrupted.clone(),
-        )?)
+        Ok(Started::new(&link, context.analog, context.interrupted.clone())?)
     }
 }
 
@@ -169,10 +160,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             return command_line::exit(command_line::BAD_INPUT, &text);
         }
     };
-    let context = Context {
-        analog,
-        interrupted,
-    };
+    let context = Context { analog, interrupted };
     let done = match cli.command {
         Command::CaseStudy(c) => c.execute(&context),
         Command::Fly(c) => c.execute(&context),

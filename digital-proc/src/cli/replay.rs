@@ -49,10 +49,7 @@ impl Replay {
         let text = interface::user_file::read_text(&path)
             .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
         let file = path.display().to_string();
-        let source = Source {
-            file: &file,
-            text: &text,
-        };
+        let source = Source { file: &file, text: &text };
         let record: RunRecord = source.parse().map_err(Failure::input)?;
         if record.command.split(' ').next() != Some("fly") {
             return Err(Failure::input(format!(
@@ -129,11 +126,8 @@ impl Replay {
         // A run that failed or was killed has no summary; the transfers of its last
         // instants may not have been told.
         let ended = directory.file(SUMMARY_FILE).is_file() && recorded.is_complete();
-        let rows = if ended {
-            usize::MAX
-        } else {
-            rows_of_a_run_cut_off(&recorded, transfers.as_ref())
-        };
+        let rows =
+            if ended { usize::MAX } else { rows_of_a_run_cut_off(&recorded, transfers.as_ref()) };
         self.tell(&directory, [&recorded, &replayed], rows, lost)
     }
 
@@ -160,10 +154,7 @@ impl Replay {
         match difference {
             None => {
                 if !self.json {
-                    say!(
-                        "identical: {compared} rows of {} columns",
-                        recorded.columns().len()
-                    );
+                    say!("identical: {compared} rows of {} columns", recorded.columns().len());
                     if let Some(lost) = lost {
                         say!("the flight was lost: {lost}");
                     }

@@ -94,11 +94,7 @@ impl List {
             let base = self.runs.display();
             return print(|out| writeln!(out, "no runs in `{base}`"));
         }
-        let width = runs
-            .iter()
-            .map(|r| r.name.chars().count())
-            .max()
-            .unwrap_or(0);
+        let width = runs.iter().map(|r| r.name.chars().count()).max().unwrap_or(0);
         print(|out| {
             for run in &runs {
                 let state = match run.state {
@@ -116,12 +112,7 @@ impl List {
 impl Export {
     pub fn execute(self) -> Result<(), Failure> {
         // `--csv` names the format; without it there is the same one.
-        let Export {
-            which,
-            csv: _,
-            transfers,
-            out,
-        } = self;
+        let Export { which, csv: _, transfers, out } = self;
         let directory = which.open()?;
         let trace = if transfers {
             Trace::read(&directory.file(TRANSFERS_FILE))

@@ -42,13 +42,8 @@ impl Sensitivity {
         .map_err(Failure::input)?;
         dispersions.check(&vehicle).map_err(Failure::input)?;
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let mut record = StudyRun::begin(
-            "sensitivity",
-            &self.study,
-            &self.machine,
-            &profile,
-            &vehicle,
-        )?;
+        let mut record =
+            StudyRun::begin("sensitivity", &self.study, &self.machine, &profile, &vehicle)?;
         if let Some(file) = &self.dispersions {
             record.set("dispersions", file.display().to_string());
         }
@@ -72,10 +67,7 @@ impl Sensitivity {
             sensitivity_sections(&points, &dispersions),
         )?;
         if self.machine.json {
-            say!(
-                "{}",
-                serde_json::to_string_pretty(&points).map_err(Failure::input)?
-            );
+            say!("{}", serde_json::to_string_pretty(&points).map_err(Failure::input)?);
             return Ok(());
         }
         for measure in Measure::ALL {

@@ -132,14 +132,8 @@ impl Runs {
             parameters.insert("point".to_owned(), point.as_str().into());
         }
         self.input.record(&mut parameters, &vehicle, &study)?;
-        let record = record(
-            command,
-            &self.machine,
-            &profile,
-            started,
-            &outcome.answers.patches,
-            parameters,
-        );
+        let record =
+            record(command, &self.machine, &profile, started, &outcome.answers.patches, parameters);
         directory.write_record(&record)?;
         let summary = json!({
             "pitch": pitch_table(&outcome).json(),
@@ -148,16 +142,9 @@ impl Runs {
             "remarks": outcome.remarks(),
         });
         directory.write_summary(&summary)?;
-        let loops = if outcome.plan.pitch.is_empty() {
-            "Yaw and roll loops"
-        } else {
-            "Pitch loop"
-        };
+        let loops = if outcome.plan.pitch.is_empty() { "Yaw and roll loops" } else { "Pitch loop" };
         let place = self.point.as_deref().unwrap_or("all trajectory points");
-        let title = format!(
-            "{loops}, short period: {place}, condition {}",
-            self.condition
-        );
+        let title = format!("{loops}, short period: {place}, condition {}", self.condition);
         let html = short_period_report(&title, &outcome, &record);
         let report = directory.write_report(&html)?;
 

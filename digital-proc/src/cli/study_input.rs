@@ -59,16 +59,11 @@ pub fn record(
     patches: &[(String, String)],
     mut parameters: toml::Table,
 ) -> RunRecord {
-    let hashes: toml::Table = patches
-        .iter()
-        .map(|(name, hash)| (name.clone(), hash.clone().into()))
-        .collect();
+    let hashes: toml::Table =
+        patches.iter().map(|(name, hash)| (name.clone(), hash.clone().into())).collect();
     parameters.insert("patch-sha256".to_owned(), hashes.into());
     let link = machine.join.link_name();
-    RunRecord {
-        parameters,
-        ..RunRecord::begin(command, started, &profile.name, link)
-    }
+    RunRecord { parameters, ..RunRecord::begin(command, started, &profile.name, link) }
 }
 
 /// Keeps the runs of one point and of one condition, each by name.
@@ -85,13 +80,7 @@ pub fn select(
         })
     };
     let point = point
-        .map(|name| {
-            named(
-                "point",
-                name,
-                plan.points.iter().map(|p| p.name.as_str()).collect(),
-            )
-        })
+        .map(|name| named("point", name, plan.points.iter().map(|p| p.name.as_str()).collect()))
         .transpose()?;
     let condition = condition
         .map(|name| {
@@ -116,10 +105,7 @@ pub struct Curves<'a> {
 impl<'a> Curves<'a> {
     /// None yet.
     pub fn new() -> Curves<'a> {
-        Curves {
-            columns: Vec::new(),
-            values: Vec::new(),
-        }
+        Curves { columns: Vec::new(), values: Vec::new() }
     }
 
     /// Adds a column.

@@ -60,10 +60,8 @@ impl StudyRun {
 
     /// Notes the patch that ran.
     pub fn patch(&mut self, name: &str, sha256: &str) {
-        self.record.patch = Some(PatchIdentity {
-            name: name.to_owned(),
-            sha256: sha256.to_owned(),
-        });
+        self.record.patch =
+            Some(PatchIdentity { name: name.to_owned(), sha256: sha256.to_owned() });
     }
 
     /// A file of the study's own beside the record.

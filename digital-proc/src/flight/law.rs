@@ -157,12 +157,8 @@ impl<'v> FlightLaw<'v> {
         self.edges.merge(edges);
         let command = self.vehicle.pitch_programme().at(time_s);
         self.edges.note(TableName::PitchProgramme, command.edge);
-        self.settings = control_settings(
-            self.vehicle,
-            &self.case.script,
-            self.case.failure_start_s,
-            time_s,
-        );
+        self.settings =
+            control_settings(self.vehicle, &self.case.script, self.case.failure_start_s, time_s);
 
         let (flow, airframe) = trajectory::surroundings(self.vehicle, wind, time_s, &self.state)?;
         let offset =
@@ -171,11 +167,7 @@ impl<'v> FlightLaw<'v> {
         let next_offset_rad = offset(&self.next, &trajectory::flow_at(wind, &self.next));
         let alpha_error = attitude.angle_rad[0] + offset_rad - attitude.incidence_rad;
         let redundant = self.alpha == AlphaPath::Redundant;
-        let mend = if redundant {
-            CORRECTION_GAIN * alpha_error / step_s
-        } else {
-            0.0
-        };
+        let mend = if redundant { CORRECTION_GAIN * alpha_error / step_s } else { 0.0 };
 
         let dac = &self.channels.dac;
         let per_inertia = airframe.misalignment_moment_nm / airframe.pitch_inertia_kgm2;
@@ -189,10 +181,7 @@ impl<'v> FlightLaw<'v> {
             (dac.dead_zone, self.settings.gains.dead_zone_rad),
             (dac.a_misalign_p, self.case.pitch_misalignment * per_inertia),
             (dac.a_misalign_y, self.case.yaw_misalignment * per_inertia),
-            (
-                dac.a_cant,
-                airframe.fin_cant_moment_nm / airframe.roll_inertia_kgm2,
-            ),
+            (dac.a_cant, airframe.fin_cant_moment_nm / airframe.roll_inertia_kgm2),
         ] {
             updates.set_dac(channel, value);
         }

@@ -99,18 +99,9 @@ pub fn stage_patch() -> PatchBundle {
     PatchBundle {
         root: "long-period.toml".to_owned(),
         files: vec![
-            file(
-                "long-period.toml",
-                include_str!("../../../patch-files/long-period.toml"),
-            ),
-            file(
-                "stage-gyro.toml",
-                include_str!("../../../patch-files/stage-gyro.toml"),
-            ),
-            file(
-                "fin-tip.toml",
-                include_str!("../../../patch-files/fin-tip.toml"),
-            ),
+            file("long-period.toml", include_str!("../../../patch-files/long-period.toml")),
+            file("stage-gyro.toml", include_str!("../../../patch-files/stage-gyro.toml")),
+            file("fin-tip.toml", include_str!("../../../patch-files/fin-tip.toml")),
         ],
     }
 }
@@ -165,10 +156,7 @@ impl Stage {
     ) -> Result<Stage, FlightFault> {
         let parameters = parameters(vehicle);
         console.load(patch, parameters.clone(), profile.clone())?;
-        Ok(Stage {
-            channels: StageChannels::resolve(console)?,
-            parameters,
-        })
+        Ok(Stage { channels: StageChannels::resolve(console)?, parameters })
     }
 
     /// Flies `plan` (its profile was settled at loading) from initial conditions
@@ -184,14 +172,7 @@ impl Stage {
         plan: &FlightPlan,
         observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ) -> Result<FlightSummary, FlightFault> {
-        self.fly_timed(
-            console,
-            vehicle,
-            plan,
-            Timing::LockStep,
-            |_| Ok(()),
-            observe,
-        )
+        self.fly_timed(console, vehicle, plan, Timing::LockStep, |_| Ok(()), observe)
     }
 
     /// As [`Stage::fly`], free-running or as it was recorded. `told` hears of every frame
@@ -262,22 +243,12 @@ fn fly_loaded(
         impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
     ),
 ) -> Result<FlightSummary, FlightFault> {
-    let frame = plan
-        .slow
-        .fast_period(plan.step)
-        .filter(|t| *t > Tick::ZERO)
-        .ok_or(FlightFault::Periods {
-            step: plan.step,
-            fast_frames: plan.slow.fast_frames(),
-        })?;
+    let frame =
+        plan.slow.fast_period(plan.step).filter(|t| *t > Tick::ZERO).ok_or(
+            FlightFault::Periods { step: plan.step, fast_frames: plan.slow.fast_frames() },
+        )?;
     let make_law = || {
-        FlightLaw::new(
-            vehicle,
-            &plan.case,
-            channels.clone(),
-            plan.alpha,
-            (plan.slow, plan.step),
-        )
+        FlightLaw::new(vehicle, &plan.case, channels.clone(), plan.alpha, (plan.slow, plan.step))
     };
     let mut law = make_law();
     let incidence = law.initial_incidence_rad();

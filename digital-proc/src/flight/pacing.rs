@@ -73,18 +73,12 @@ impl Pacing {
             self.latencies.push(latency);
             if latency >= self.frame {
                 let late = Late::Updates(Some(latency - self.frame));
-                self.overruns.push(Overrun {
-                    frame: transfer.frame,
-                    late,
-                });
+                self.overruns.push(Overrun { frame: transfer.frame, late });
             }
         }
         self.lateness.push(samples.late);
         if samples.late >= self.frame {
-            self.overruns.push(Overrun {
-                frame: samples.frame,
-                late: Late::Samples(samples.late),
-            });
+            self.overruns.push(Overrun { frame: samples.frame, late: Late::Samples(samples.late) });
         }
         if samples.run_state() == RunState::Ended {
             // Updates of the last full frame may be cut off by the stop, within their time;
@@ -109,10 +103,7 @@ impl Pacing {
     #[must_use]
     pub fn jitter(&self) -> (Tick, usize) {
         let margin = Tick(self.frame.0 / JITTER_PARTS);
-        (
-            margin,
-            self.lateness.iter().filter(|by| **by > margin).count(),
-        )
+        (margin, self.lateness.iter().filter(|by| **by > margin).count())
     }
 
     /// Frames so far.
@@ -183,9 +174,7 @@ pub fn quantile(times: &[Tick], part: f64) -> Option<Tick> {
     let mut sorted = times.to_vec();
     sorted.sort_unstable();
     let last = sorted.len().checked_sub(1)?;
-    sorted
-        .get((part.clamp(0.0, 1.0) * last as f64).ceil() as usize)
-        .copied()
+    sorted.get((part.clamp(0.0, 1.0) * last as f64).ceil() as usize).copied()
 }
 
 impl std::fmt::Display for Overrun {
@@ -224,11 +213,8 @@ mod tests {
         tell(3, RunState::Operate, 0, &[(1, 2_300), (2, 2_400)]);
         tell(4, RunState::Operate, 0, &[]);
         tell(5, RunState::Ended, 0, &[]);
-        let frames: Vec<(u64, Late)> = pacing
-            .overruns()
-            .iter()
-            .map(|o| (o.frame, o.late))
-            .collect();
+        let frames: Vec<(u64, Late)> =
+            pacing.overruns().iter().map(|o| (o.frame, o.late)).collect();
         assert_eq!(
             frames,
             [

@@ -127,10 +127,7 @@ impl PlanRecord {
         let slow = Rate::every(self.fast).ok_or(PlanFault::NoFastFrame)?;
         slow.fast_period(self.frame)
             .filter(|t| *t > Tick::ZERO)
-            .ok_or(PlanFault::Periods {
-                step: self.frame,
-                fast: self.fast,
-            })
+            .ok_or(PlanFault::Periods { step: self.frame, fast: self.fast })
     }
 
     /// The vehicle.
@@ -292,22 +289,10 @@ mod tests {
         let vehicle = Vehicle::shipped().unwrap();
         let sound = record(FlightMode::Normal, "ideal");
         for wrong in [
-            PlanRecord {
-                fast: 0,
-                ..sound.clone()
-            },
-            PlanRecord {
-                fast: 7,
-                ..sound.clone()
-            },
-            PlanRecord {
-                frame: Tick::ZERO,
-                ..sound.clone()
-            },
-            PlanRecord {
-                misalign_yaw: f64::NAN,
-                ..sound
-            },
+            PlanRecord { fast: 0, ..sound.clone() },
+            PlanRecord { fast: 7, ..sound.clone() },
+            PlanRecord { frame: Tick::ZERO, ..sound.clone() },
+            PlanRecord { misalign_yaw: f64::NAN, ..sound },
         ] {
             assert!(wrong.plan(&vehicle).is_err());
         }

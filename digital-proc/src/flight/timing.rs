@@ -29,9 +29,7 @@ impl Timing<'_> {
     pub fn clock(self) -> Clock {
         match self {
             Timing::LockStep => Clock::LockStep,
-            Timing::Wall => Clock::Wall {
-                processor: processor::to_share(),
-            },
+            Timing::Wall => Clock::Wall { processor: processor::to_share() },
             Timing::Replay(_) => Clock::Replay,
         }
     }
@@ -77,11 +75,7 @@ impl TransferLog {
             None => Ok(TransferLog { transfers }),
             Some(before) => {
                 let row = before + 1;
-                Err(OutOfOrder {
-                    row,
-                    frame: transfers[row].frame,
-                    at: transfers[row].tick,
-                })
+                Err(OutOfOrder { row, frame: transfers[row].frame, at: transfers[row].tick })
             }
         }
     }
@@ -113,10 +107,7 @@ mod tests {
 
     #[test]
     fn a_replay_carries_the_recorded_instants() {
-        let of = |frame, tick| Transfer {
-            frame,
-            tick: Tick(tick),
-        };
+        let of = |frame, tick| Transfer { frame, tick: Tick(tick) };
         let log = TransferLog::new(vec![of(0, 5), of(2, 5), of(3, 40)]).unwrap();
         let timing = Timing::Replay(&log);
         assert_eq!(timing.effective(2), Some(Tick(5)));

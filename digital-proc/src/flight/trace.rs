@@ -9,35 +9,21 @@ use interface::{
 use std::path::{Path, PathBuf};
 
 /// One column: name, unit, and how it is read from a frame.
-type Reader = (
-    &'static str,
-    &'static str,
-    fn(&Samples, &FrameResult) -> f64,
-);
+type Reader = (&'static str, &'static str, fn(&Samples, &FrameResult) -> f64);
 
 const COLUMNS: [Reader; 34] = [
     ("velocity_m_s", "m/s", |_, r| r.sample.trajectory.speed_mps),
-    ("flight_path_angle_rad", "rad", |_, r| {
-        r.sample.trajectory.path_angle_rad
-    }),
+    ("flight_path_angle_rad", "rad", |_, r| r.sample.trajectory.path_angle_rad),
     ("altitude_m", "m", |_, r| r.sample.trajectory.altitude_m),
-    ("range_angle_rad", "rad", |_, r| {
-        r.sample.trajectory.range_angle_rad
-    }),
+    ("range_angle_rad", "rad", |_, r| r.sample.trajectory.range_angle_rad),
     ("alpha_rad", "rad", |_, r| r.sample.incidence_rad),
     ("mach", "", |_, r| r.sample.mach),
-    ("dynamic_pressure_pa", "Pa", |_, r| {
-        r.sample.dynamic_pressure_pa
-    }),
-    ("q_alpha_pa_rad", "Pa rad", |_, r| {
-        r.sample.dynamic_pressure_pa * r.sample.incidence_rad
-    }),
+    ("dynamic_pressure_pa", "Pa", |_, r| r.sample.dynamic_pressure_pa),
+    ("q_alpha_pa_rad", "Pa rad", |_, r| r.sample.dynamic_pressure_pa * r.sample.incidence_rad),
     ("theta_rad", "rad", |_, r| r.sample.pitch_rad),
     ("psi_rad", "rad", |_, r| r.sample.yaw_rad),
     ("phi_rad", "rad", |_, r| r.sample.roll_rad),
-    ("theta_command_rad", "rad", |_, r| {
-        r.sample.pitch_command_rad
-    }),
+    ("theta_command_rad", "rad", |_, r| r.sample.pitch_command_rad),
     ("tvc_pitch_force_n", "N", |_, r| r.attitude.tvc_n[0]),
     ("tvc_yaw_force_n", "N", |_, r| r.attitude.tvc_n[1]),
     ("alpha_analog_rad", "rad", |_, r| r.attitude.incidence_rad),
@@ -51,32 +37,21 @@ const COLUMNS: [Reader; 34] = [
     ("control_force_n", "N", |_, r| r.attitude.control_force_n),
     ("mass_kg", "kg", |_, r| r.airframe.mass_kg),
     ("thrust_n", "N", |_, r| r.airframe.thrust_n),
-    ("moment_slope_n_m", "N m/rad", |_, r| {
-        r.airframe.moment_slope_nmprad
-    }),
-    ("normal_force_slope_n", "N/rad", |_, r| {
-        r.airframe.normal_force_slope_nprad
-    }),
+    ("moment_slope_n_m", "N m/rad", |_, r| r.airframe.moment_slope_nmprad),
+    ("normal_force_slope_n", "N/rad", |_, r| r.airframe.normal_force_slope_nprad),
     ("ftc_gain", "", |_, r| r.settings.ftc_gain()[0]),
     ("ftc_lead_s", "s", |_, r| r.settings.gains.ftc_lead_s),
     ("tvc_gain_n", "N/rad", |_, r| r.settings.tvc_gain_nprad()[0]),
     ("tvc_lead_s", "s", |_, r| r.settings.gains.tvc_lead_s),
-    ("dead_zone_rad", "rad", |_, r| {
-        r.settings.gains.dead_zone_rad
-    }),
-    ("adc_saturated", "", |s, _| {
-        f64::from(s.adc_saturated.count_ones())
-    }),
+    ("dead_zone_rad", "rad", |_, r| r.settings.gains.dead_zone_rad),
+    ("adc_saturated", "", |s, _| f64::from(s.adc_saturated.count_ones())),
     ("overloads", "", |s, _| f64::from(s.overloads)),
 ];
 
 /// The columns in order.
 #[must_use]
 pub fn columns() -> Vec<Column> {
-    COLUMNS
-        .iter()
-        .map(|(name, unit, _)| Column::new(*name, *unit))
-        .collect()
+    COLUMNS.iter().map(|(name, unit, _)| Column::new(*name, *unit)).collect()
 }
 
 /// One row.
@@ -111,10 +86,7 @@ pub struct TransfersFault {
 /// # Errors
 /// [`TransfersFault`] when a row is no transfer, or not in order.
 pub fn read_transfers(path: &Path, trace: &Trace) -> Result<TransferLog, TransfersFault> {
-    let fault = |reason: String| TransfersFault {
-        path: path.to_owned(),
-        reason,
-    };
+    let fault = |reason: String| TransfersFault { path: path.to_owned(), reason };
     let frames = trace.column("frame").map_err(|e| fault(e.to_string()))?;
     let transfers = frames
         .iter()

@@ -169,11 +169,7 @@ pub fn derivative(
     let e_theta = inputs.pitch_command_rad - theta;
     let e_psi = -psi;
     let errors = [e_theta * c + e_psi * s, -e_theta * s + e_psi * c];
-    let body_rates = [
-        theta_rate * c + psi_rate * s,
-        -theta_rate * s + psi_rate * c,
-        phi_rate,
-    ];
+    let body_rates = [theta_rate * c + psi_rate * s, -theta_rate * s + psi_rate * c, phi_rate];
 
     let (wn, zeta) = (data.gyro.natural_frequency_radps, data.gyro.damping_ratio);
     let gyro_acceleration = std::array::from_fn(|i| {
@@ -340,10 +336,7 @@ mod tests {
             inputs.pitch_command_rad = 1.0 + error;
             let rate = derivative(&vehicle, &trimmed(), &inputs).tvc_n[0];
             // 1.0 + error loses 1 ulp of 2, times K_T = 3.6e5 N/rad over 0.1 s.
-            assert!(
-                (rate * tau_s - wanted_n).abs() < 1e-9 * (1.0 + wanted_n.abs()),
-                "{error}"
-            );
+            assert!((rate * tau_s - wanted_n).abs() < 1e-9 * (1.0 + wanted_n.abs()), "{error}");
         }
         // A full filter asks for more than the travel; the servo slews.
         let mut state = trimmed();

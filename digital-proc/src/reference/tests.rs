@@ -26,22 +26,13 @@ fn the_undisturbed_flight_has_the_published_figures() {
     assert!((peak.time_s - 32.0).abs() < 0.5, "{peak:?}");
     assert!((peak.mach - 2.2).abs() < 0.05, "{peak:?}");
     assert!((peak.altitude_m / 1e3 - 9.7).abs() < 0.05, "{peak:?}");
-    assert!(
-        (flight.end.path_angle_rad.to_degrees() - 67.0).abs() < 0.5,
-        "{flight:?}"
-    );
-    assert!(
-        (flight.end.altitude_m / 1e3 - 23.6).abs() < 0.05,
-        "{flight:?}"
-    );
+    assert!((flight.end.path_angle_rad.to_degrees() - 67.0).abs() < 0.5, "{flight:?}");
+    assert!((flight.end.altitude_m / 1e3 - 23.6).abs() < 0.05, "{flight:?}");
     // "1053 m/s" is met by the point-mass flight, half a unit; with its loops
     // the vehicle follows the programme late, climbs 0.2° steeper and pays for
     // it by less than 0.2 % of its speed.
     let point_mass = slice::points(&vehicle, &[("end", 49.0)]).unwrap()[0].trajectory;
-    assert!(
-        (point_mass.speed_mps - 1053.0).abs() < 0.5,
-        "{point_mass:?}"
-    );
+    assert!((point_mass.speed_mps - 1053.0).abs() < 0.5, "{point_mass:?}");
     assert!((flight.end.speed_mps / point_mass.speed_mps - 1.0).abs() < 2e-3);
     assert!(flight.edges.is_empty());
     assert_eq!(flight.end_time_s, 49.0);
@@ -116,22 +107,10 @@ fn every_failure_keeps_an_acceptable_trajectory_in_the_design_case() {
         let angle = flight.end.path_angle_rad - nominal.end.path_angle_rad;
         let altitude = flight.end.altitude_m / nominal.end.altitude_m - 1.0;
         let range_m = flight.range_m - nominal.range_m;
-        assert!(
-            speed.abs() <= accept.accept_speed_fraction,
-            "{mode:?}: {speed}"
-        );
-        assert!(
-            angle.abs().to_degrees() <= accept.accept_dgam_deg,
-            "{mode:?}: {angle}"
-        );
-        assert!(
-            altitude.abs() <= accept.accept_altitude_fraction,
-            "{mode:?}: {altitude}"
-        );
-        assert!(
-            range_m.abs() <= 1e3 * accept.accept_drange_km,
-            "{mode:?}: {range_m}"
-        );
+        assert!(speed.abs() <= accept.accept_speed_fraction, "{mode:?}: {speed}");
+        assert!(angle.abs().to_degrees() <= accept.accept_dgam_deg, "{mode:?}: {angle}");
+        assert!(altitude.abs() <= accept.accept_altitude_fraction, "{mode:?}: {altitude}");
+        assert!(range_m.abs() <= 1e3 * accept.accept_drange_km, "{mode:?}: {range_m}");
     }
 }
 
@@ -151,11 +130,7 @@ fn in_a_headwind_one_mode_alone_exceeds_the_load_limit() {
     };
     // Pointwise at the design case and both ends of −0.5…0 …
     for misalignment in [-0.5, -0.2, 0.0] {
-        assert_eq!(
-            exceeding(&[misalignment]),
-            [FlightMode::FtcElectronics],
-            "{misalignment}"
-        );
+        assert_eq!(exceeding(&[misalignment]), [FlightMode::FtcElectronics], "{misalignment}");
     }
     // … and over the envelope, whose ends are its worst for the other modes.
     assert_eq!(exceeding(&[-1.0, -0.2, 1.0]), [FlightMode::FtcElectronics]);
@@ -168,11 +143,7 @@ fn in_a_tailwind_the_single_violation_does_not_hold() {
     let exceeds = |mode: FlightMode| {
         let mut case = FlightCase::design(&vehicle, mode.script()).unwrap();
         case.wind = Wind::synthetic(&vehicle, WindDirection::Tail).unwrap();
-        fly(&vehicle, &case, RATE, |_| {})
-            .unwrap()
-            .max_q_alpha
-            .value
-            > limit
+        fly(&vehicle, &case, RATE, |_| {}).unwrap().max_q_alpha.value > limit
     };
     assert!(exceeds(FlightMode::TipsDead));
     assert!(exceeds(FlightMode::RollLost));
@@ -192,21 +163,14 @@ fn a_later_failure_leaves_the_flight_before_it_untouched() {
     let failed = record(30.0, FlightMode::FtcElectronics);
     // Bit-equal up to and including the sample at which the failure sets in.
     let parts = sound.iter().zip(&failed).position(|(a, b)| a != b).unwrap();
-    assert!(
-        sound[parts].time_s > 30.0 && sound[parts].time_s < 30.1,
-        "{}",
-        sound[parts].time_s
-    );
+    assert!(sound[parts].time_s > 30.0 && sound[parts].time_s < 30.1, "{}", sound[parts].time_s);
 }
 
 #[test]
 fn settings_that_cannot_be_flown_are_refused() {
     let vehicle = Vehicle::shipped().unwrap();
     let case = FlightCase::undisturbed();
-    assert!(matches!(
-        fly(&vehicle, &case, 999, |_| {}),
-        Err(FlightError::BadSetting { .. })
-    ));
+    assert!(matches!(fly(&vehicle, &case, 999, |_| {}), Err(FlightError::BadSetting { .. })));
     let frames = fly_partitioned(&vehicle, &case, RATE, 0, StagePitch::Held, |_| {});
     assert!(matches!(frames, Err(FlightError::BadSetting { .. })));
 }

@@ -34,13 +34,7 @@ impl Partition {
                 "Error resolution through roll",
                 "Redundant α integrator",
             ]),
-            adc: list(&[
-                "θ, ψ, φ",
-                "body rates",
-                "α",
-                "fin deflections",
-                "TVC forces",
-            ]),
+            adc: list(&["θ, ψ, φ", "body rates", "α", "fin deflections", "TVC forces"]),
             dac: list(&[
                 "pitch command θ",
                 "air-path angle γ, range angle Γ",
@@ -140,14 +134,9 @@ mod tests {
     fn every_name_is_drawn() {
         let partition = Partition::long_period();
         let svg = block_diagram(&partition).into_string();
-        for name in [
-            &partition.analog,
-            &partition.adc,
-            &partition.dac,
-            &partition.digital,
-        ]
-        .into_iter()
-        .flatten()
+        for name in [&partition.analog, &partition.adc, &partition.dac, &partition.digital]
+            .into_iter()
+            .flatten()
         {
             assert!(svg.contains(&format!(">{name}</text>")), "{name}");
         }

@@ -106,11 +106,7 @@ pub fn claims_table(claims: &[Claim]) -> Markup {
 #[must_use]
 pub fn claims_text(claims: &[Claim]) -> String {
     let width = |text: fn(&Claim) -> &str| {
-        claims
-            .iter()
-            .map(|c| text(c).chars().count())
-            .max()
-            .unwrap_or(0)
+        claims.iter().map(|c| text(c).chars().count()).max().unwrap_or(0)
     };
     let (ids, words) = (width(|c| &c.id), width(|c| c.verdict.words()));
     let mut out = String::new();
@@ -134,11 +130,7 @@ pub fn claims_text(claims: &[Claim]) -> String {
 
 fn count(claims: &[Claim]) -> String {
     let of = |verdict| claims.iter().filter(|c| c.verdict == verdict).count();
-    let mut parts = vec![format!(
-        "{} of {} claims hold",
-        of(Verdict::Holds),
-        claims.len()
-    )];
+    let mut parts = vec![format!("{} of {} claims hold", of(Verdict::Holds), claims.len())];
     if of(Verdict::Fails) > 0 {
         parts.push(format!("{} not", of(Verdict::Fails)));
     }
@@ -197,9 +189,6 @@ mod tests {
         assert!(html.contains("1 of 2 claims hold, 1 not."));
         assert!(html.contains("✗\u{202f}does not hold") && html.contains("&lt;satisfactory&gt;"));
         let text = claims_text(&claims);
-        assert!(
-            text.contains("✗ does not hold") && text.contains("at 47 s"),
-            "{text}"
-        );
+        assert!(text.contains("✗ does not hold") && text.contains("at 47 s"), "{text}");
     }
 }

@@ -46,12 +46,7 @@ pub fn ten_variables(context: &FlightContext) -> Vec<FigureSpec> {
     // Anchor, title, unit, and curves as (column, legend, factor).
     type Row<'a> = (&'a str, &'a str, &'a str, &'a [(&'a str, &'a str, f64)]);
     let rows: [Row<'_>; 10] = [
-        (
-            "velocity",
-            "Inertial velocity",
-            "m/s",
-            &[("velocity_m_s", "", 1.0)],
-        ),
+        ("velocity", "Inertial velocity", "m/s", &[("velocity_m_s", "", 1.0)]),
         (
             "flight-path",
             "Inertial flight-path angle",
@@ -59,46 +54,18 @@ pub fn ten_variables(context: &FlightContext) -> Vec<FigureSpec> {
             &[("flight_path_angle_rad", "", degrees)],
         ),
         ("altitude", "Altitude", "km", &[("altitude_m", "", 1e-3)]),
-        (
-            "range-angle",
-            "Range angle",
-            "°",
-            &[("range_angle_rad", "", degrees)],
-        ),
-        (
-            "alpha",
-            "Pitch angle of attack",
-            "°",
-            &[("alpha_rad", "", degrees)],
-        ),
+        ("range-angle", "Range angle", "°", &[("range_angle_rad", "", degrees)]),
+        ("alpha", "Pitch angle of attack", "°", &[("alpha_rad", "", degrees)]),
         ("mach", "Mach number", "", &[("mach", "", 1.0)]),
-        (
-            "dynamic-pressure",
-            "Dynamic pressure Q",
-            "kPa",
-            &[("dynamic_pressure_pa", "", 1e-3)],
-        ),
-        (
-            "q-alpha",
-            "Load indicator Qα",
-            "kPa·°",
-            &[("q_alpha_pa_rad", "", 1e-3 * degrees)],
-        ),
+        ("dynamic-pressure", "Dynamic pressure Q", "kPa", &[("dynamic_pressure_pa", "", 1e-3)]),
+        ("q-alpha", "Load indicator Qα", "kPa·°", &[("q_alpha_pa_rad", "", 1e-3 * degrees)]),
         (
             "attitude",
             "Attitude",
             "°",
-            &[
-                ("theta_rad", "pitch θ", degrees),
-                ("phi_rad", "roll φ", degrees),
-            ],
+            &[("theta_rad", "pitch θ", degrees), ("phi_rad", "roll φ", degrees)],
         ),
-        (
-            "tvc-force",
-            "TVC force, pitch loop",
-            "kN",
-            &[("tvc_pitch_force_n", "", 1e-3)],
-        ),
+        ("tvc-force", "TVC force, pitch loop", "kN", &[("tvc_pitch_force_n", "", 1e-3)]),
     ];
     rows.into_iter()
         .map(|(id, title, unit, curves)| FigureSpec {

@@ -73,10 +73,7 @@ pub fn with_unit(value: f64, digits: usize, unit: &str) -> String {
     let number = typeset(value, digits);
     match unit {
         "" => number,
-        "%" | "°" => format!(
-            "{number}{}{unit}",
-            if unit == "%" { "\u{202f}" } else { "" }
-        ),
+        "%" | "°" => format!("{number}{}{unit}", if unit == "%" { "\u{202f}" } else { "" }),
         _ => format!("{number}\u{202f}{unit}"),
     }
 }

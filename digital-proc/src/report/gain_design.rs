@@ -98,23 +98,14 @@ pub fn design_table(design: &Design) -> Table {
     let mut table = Table::new(headings);
     for (i, interval) in design.intervals.iter().enumerate() {
         for (place, quality) in interval.judged_s.iter().zip(&interval.quality) {
-            let met = if design.criteria.met(quality) {
-                "met"
-            } else {
-                "not met"
-            };
+            let met = if design.criteria.met(quality) { "met" } else { "not met" };
             let start: [Cell; 4] = [
                 design.schedule.switch_time_s[i].into(),
                 (*place).into(),
                 interval.first_cost.into(),
                 interval.cost.into(),
             ];
-            table.row(
-                start
-                    .into_iter()
-                    .chain(quality_cells(quality))
-                    .chain([met.into()]),
-            );
+            table.row(start.into_iter().chain(quality_cells(quality)).chain([met.into()]));
         }
     }
     table
@@ -129,42 +120,18 @@ pub fn criteria_table(criteria: &Criteria) -> Table {
         Heading::new("Unit", ""),
     ]);
     for (name, value, unit) in [
-        (
-            "overshoot, undisturbed 2° step",
-            100.0 * criteria.overshoot,
-            "%",
-        ),
+        ("overshoot, undisturbed 2° step", 100.0 * criteria.overshoot, "%"),
         ("settling to 5 %, undisturbed", criteria.settling_s, "s"),
-        (
-            "residual oscillation 5–10 s, misalignment and gust",
-            100.0 * criteria.residual,
-            "%",
-        ),
-        (
-            "attitude error from 2 s on, misalignment and gust",
-            100.0 * criteria.error,
-            "%",
-        ),
+        ("residual oscillation 5–10 s, misalignment and gust", 100.0 * criteria.residual, "%"),
+        ("attitude error from 2 s on, misalignment and gust", 100.0 * criteria.error, "%"),
         (
             "bending envelope at 5–6.5 s over that after the step",
             100.0 * criteria.bending_decay,
             "%",
         ),
-        (
-            "mean TVC force over its maximum",
-            100.0 * criteria.tvc_use,
-            "%",
-        ),
-        (
-            "bending damping ratio, linearised loop (at least)",
-            criteria.bending_damping,
-            "",
-        ),
-        (
-            "gain margin, linearised loop (at least)",
-            criteria.gain_margin_db,
-            "dB",
-        ),
+        ("mean TVC force over its maximum", 100.0 * criteria.tvc_use, "%"),
+        ("bending damping ratio, linearised loop (at least)", criteria.bending_damping, ""),
+        ("gain margin, linearised loop (at least)", criteria.gain_margin_db, "dB"),
     ] {
         table.row([name.into(), value.into(), unit.into()]);
     }
@@ -179,18 +146,9 @@ pub fn evaluation_table(points: &[PointQuality]) -> Table {
     headings.push(Heading::new("P1", ""));
     let mut table = Table::new(headings);
     for point in points {
-        let accepted = if point.accepted() {
-            "accepted"
-        } else {
-            "exceeded"
-        };
+        let accepted = if point.accepted() { "accepted" } else { "exceeded" };
         let start: [Cell; 2] = [point.point.as_str().into(), point.time_s.into()];
-        table.row(
-            start
-                .into_iter()
-                .chain(quality_cells(&point.quality))
-                .chain([accepted.into()]),
-        );
+        table.row(start.into_iter().chain(quality_cells(&point.quality)).chain([accepted.into()]));
     }
     table
 }
@@ -210,10 +168,8 @@ pub fn merging_table(levels: &[(&Trial, &[PointQuality])]) -> Table {
     for (trial, points) in levels {
         let worst = crate::study::gain_design::evaluate::worst(points);
         let exceeded = points.iter().filter(|p| !p.accepted()).count();
-        let times: Vec<String> = trial.schedule.switch_time_s[1..]
-            .iter()
-            .map(f64::to_string)
-            .collect();
+        let times: Vec<String> =
+            trial.schedule.switch_time_s[1..].iter().map(f64::to_string).collect();
         table.row([
             (times.len() as f64).into(),
             times.join(", ").into(),

@@ -29,11 +29,7 @@ fn sample_trace(rows: usize) -> Trace {
             q * alpha,
             1.57 - 0.42 * (t / 49.0).powi(2) + 0.01 * (2.0 * t).sin(),
             0.002 * (0.7 * t).cos(),
-            if t > 17.0 {
-                8_000.0 * (3.0 * t).sin()
-            } else {
-                0.0
-            },
+            if t > 17.0 { 8_000.0 * (3.0 * t).sin() } else { 0.0 },
         ];
         writer.push(Tick((t * 1e9) as i64), &row).unwrap();
     }
@@ -44,9 +40,7 @@ fn sample_trace(rows: usize) -> Trace {
 fn sample_record() -> RunRecord {
     RunRecord {
         command: "fly normal".to_owned(),
-        command_line: ["digital-proc", "fly", "--mode", "normal"]
-            .map(str::to_owned)
-            .to_vec(),
+        command_line: ["digital-proc", "fly", "--mode", "normal"].map(str::to_owned).to_vec(),
         started: "2026-03-01T12:34:56Z".to_owned(),
         profile: "ideal".to_owned(),
         link: "shm".to_owned(),
@@ -62,24 +56,14 @@ fn sample_record() -> RunRecord {
 
 fn sample_flight(rows: usize) -> String {
     let mut summary = Summary::new();
-    summary.add(
-        "max_q_kpa",
-        "Maximum dynamic pressure",
-        94.87,
-        4,
-        "kPa",
-        "at 32.1 s, Mach 2.21",
-    );
+    summary.add("max_q_kpa", "Maximum dynamic pressure", 94.87, 4, "kPa", "at 32.1 s, Mach 2.21");
     summary.add("velocity_m_s", "Burn-out velocity", 1053.2, 5, "m/s", "");
     summary.add("altitude_km", "Burn-out altitude", 23.61, 4, "km", "");
     let context = FlightContext {
         title: "First-stage flight, normal mode".to_owned(),
         lead: "Two processes, 0.1 s frames, no wind.".to_owned(),
         q_alpha_limit_pa_rad: Some(2_000.0),
-        marks: vec![Mark {
-            x: 17.0,
-            name: "FTC on".to_owned(),
-        }],
+        marks: vec![Mark { x: 17.0, name: "FTC on".to_owned() }],
         further: Vec::new(),
     };
     flight_report(&context, &summary, &sample_trace(rows), &sample_record()).unwrap()
@@ -89,9 +73,7 @@ fn gallery() -> String {
     let mut number = Numbering::new();
     let t: Vec<f64> = (0..2_000).map(|n| f64::from(n) * 0.006).collect();
     let response = |w: f64, z: f64| -> Vec<f64> {
-        t.iter()
-            .map(|t| 2.0 * (1.0 - (-z * w * t).exp() * (w * t).cos()))
-            .collect()
+        t.iter().map(|t| 2.0 * (1.0 - (-z * w * t).exp() * (w * t).cos())).collect()
     };
     let names = [
         "normal",
@@ -107,11 +89,7 @@ fn gallery() -> String {
         .iter()
         .enumerate()
         .map(|(i, name)| {
-            Series::line(
-                *name,
-                &t,
-                &response(1.5 + 0.3 * i as f64, 0.5 / (i + 1) as f64),
-            )
+            Series::line(*name, &t, &response(1.5 + 0.3 * i as f64, 0.5 / (i + 1) as f64))
         })
         .collect();
     let responses = LineChart::new(
@@ -123,9 +101,7 @@ fn gallery() -> String {
     .limit(2.5, "overshoot 25 %")
     .mark(5.0, "residual from")
     .mark(10.0, "to");
-    let per_cycle: Vec<f64> = (0..40)
-        .map(|n| 10f64.powf(1.0 + f64::from(n) / 25.0))
-        .collect();
+    let per_cycle: Vec<f64> = (0..40).map(|n| 10f64.powf(1.0 + f64::from(n) / 25.0)).collect();
     let law = |k: f64| -> Vec<f64> { per_cycle.iter().map(|n| k / n.powf(1.2)).collect() };
     let thin = |v: &[f64]| -> Vec<f64> { v.iter().step_by(5).copied().collect() };
     let (few, a, b) = (thin(&per_cycle), law(20.0), law(1.5));
@@ -147,16 +123,8 @@ fn gallery() -> String {
         ],
     );
     let step_x: Vec<f64> = (0..30).map(f64::from).collect();
-    let step_y: Vec<f64> = step_x
-        .iter()
-        .map(|x| {
-            if *x == 12.0 {
-                f64::NAN
-            } else {
-                (x * 0.4).sin() * 3e-7
-            }
-        })
-        .collect();
+    let step_y: Vec<f64> =
+        step_x.iter().map(|x| if *x == 12.0 { f64::NAN } else { (x * 0.4).sin() * 3e-7 }).collect();
     let held = LineChart::new(
         "Held DAC output with a missing frame",
         Axis::new("Time", "ms"),
@@ -166,12 +134,7 @@ fn gallery() -> String {
             Series::line("ideal", &step_x, &step_y).draw(Draw::LineAndMarkers),
         ],
     );
-    let conditions = [
-        "normal",
-        "rate gyro forward",
-        "FTC gain × 0.05",
-        "TVC pole 10 → 1 rad/s",
-    ];
+    let conditions = ["normal", "rate gyro forward", "FTC gain × 0.05", "TVC pole 10 → 1 rad/s"];
     let points = [
         "vertical rise 2 s",
         "pitch start 4 s",
@@ -220,11 +183,7 @@ fn gallery() -> String {
         x: Axis::new("Overshoot", "%"),
         nominal: 24.0,
         bars: bars
-            .map(|(name, low, high)| TornadoBar {
-                name: name.to_owned(),
-                low,
-                high,
-            })
+            .map(|(name, low, high)| TornadoBar { name: name.to_owned(), low, high })
             .to_vec(),
     };
     let waits = Histogram {
@@ -279,18 +238,8 @@ fn gallery() -> String {
         Heading::new("Damping", "").digits(3),
         Heading::new("Shift", "rad/s"),
     ]);
-    table.row([
-        "Bending frequency".into(),
-        24.93.into(),
-        0.312_3.into(),
-        (-1.2e-5).into(),
-    ]);
-    table.row([
-        "TVC time constant".into(),
-        29.5.into(),
-        (-0.05).into(),
-        f64::NAN.into(),
-    ]);
+    table.row(["Bending frequency".into(), 24.93.into(), 0.312_3.into(), (-1.2e-5).into()]);
+    table.row(["TVC time constant".into(), 29.5.into(), (-0.05).into(), f64::NAN.into()]);
     let sections = vec![
         Section::new(
             "Claims",
@@ -352,28 +301,21 @@ fn gallery() -> String {
 
 fn refers_outside(html: &str) -> bool {
     // Inside a page only `href="#…"` may lead anywhere.
-    [
-        "http:", "https:", "//", "src=", "@import", "url(", "<script", "<link",
-    ]
-    .iter()
-    .any(|outside| html.contains(outside))
+    ["http:", "https:", "//", "src=", "@import", "url(", "<script", "<link"]
+        .iter()
+        .any(|outside| html.contains(outside))
         || html.matches("href=").count() != html.matches("href=\"#").count()
 }
 
 #[test]
 fn pages_are_self_contained_and_links_have_targets() {
-    for html in [
-        gallery(),
-        sample_flight(491),
-        trace_report("t", &sample_trace(20), &sample_record()),
-    ] {
+    for html in
+        [gallery(), sample_flight(491), trace_report("t", &sample_trace(20), &sample_record())]
+    {
         assert!(!refers_outside(&html));
         for link in html.split("href=\"#").skip(1) {
             let target = link.split('"').next().unwrap();
-            assert!(
-                html.contains(&format!("id=\"{target}\"")),
-                "#{target} leads nowhere"
-            );
+            assert!(html.contains(&format!("id=\"{target}\"")), "#{target} leads nowhere");
         }
         assert!(!html.contains("NaN"));
     }
@@ -390,23 +332,10 @@ fn a_flights_report_is_small() {
 fn a_missing_column_is_named() {
     let columns = [Column::new("velocity_m_s", "m/s")];
     let mut bytes = Vec::new();
-    TraceWriter::new(&mut bytes, Path::new("t"), &columns, 8)
-        .unwrap()
-        .finish()
-        .unwrap();
+    TraceWriter::new(&mut bytes, Path::new("t"), &columns, 8).unwrap().finish().unwrap();
     let trace = Trace::from_bytes(&bytes, Path::new("t")).unwrap();
-    let error = flight_report(
-        &FlightContext::default(),
-        &Summary::new(),
-        &trace,
-        &sample_record(),
-    );
-    assert!(
-        error
-            .unwrap_err()
-            .to_string()
-            .contains("flight_path_angle_rad")
-    );
+    let error = flight_report(&FlightContext::default(), &Summary::new(), &trace, &sample_record());
+    assert!(error.unwrap_err().to_string().contains("flight_path_angle_rad"));
 }
 
 #[test]
@@ -414,10 +343,7 @@ fn the_gallery_is_kept_when_asked_for() {
     let temporary = tempfile::tempdir().unwrap();
     let kept = std::env::var_os("REPORT_GALLERY").map(std::path::PathBuf::from);
     let folder = kept.as_deref().unwrap_or(temporary.path());
-    for (name, html) in [
-        ("gallery.html", gallery()),
-        ("flight.html", sample_flight(2_450)),
-    ] {
+    for (name, html) in [("gallery.html", gallery()), ("flight.html", sample_flight(2_450))] {
         std::fs::write(folder.join(name), &html).unwrap();
         assert!(html.ends_with("</html>"));
     }

@@ -55,11 +55,7 @@ pub fn mode_table(results: &LongPeriodResults) -> Table {
 }
 
 fn lost(flown: &Flown) -> Cell {
-    format!(
-        "lost: {}",
-        flown.lost.as_deref().unwrap_or("no reason given")
-    )
-    .into()
+    format!("lost: {}", flown.lost.as_deref().unwrap_or("no reason given")).into()
 }
 
 /// Largest Qα (kPa·°) of every mode over winds and misalignments (fractions of 3σ).
@@ -78,11 +74,7 @@ fn by_flight(results: &LongPeriodResults, unit: &str, of: fn(&FlightFigures) -> 
     let mut headings = vec![Heading::new("Mode", "")];
     if let Some(first) = results.modes.first() {
         headings.extend(first.flights().map(|f| {
-            Heading::new(
-                format!("{} {:+}", short(f.wind), f.pitch_misalignment),
-                unit,
-            )
-            .digits(3)
+            Heading::new(format!("{} {:+}", short(f.wind), f.pitch_misalignment), unit).digits(3)
         }));
     }
     let mut table = Table::new(headings);
@@ -179,11 +171,8 @@ pub(super) fn variable_figures(
 
 /// The modes that were flown. Of more than a chart can carry, the single variants go first.
 fn drawn_modes(results: &LongPeriodResults) -> Vec<&ModeResult> {
-    let mut shown: Vec<&ModeResult> = results
-        .modes
-        .iter()
-        .filter(|m| !m.history.time_s.is_empty())
-        .collect();
+    let mut shown: Vec<&ModeResult> =
+        results.modes.iter().filter(|m| !m.history.time_s.is_empty()).collect();
     if shown.len() > MOST_CURVES {
         shown.retain(|m| !m.text.contains("alone"));
         shown.truncate(MOST_CURVES);
@@ -195,13 +184,7 @@ fn drawn_modes(results: &LongPeriodResults) -> Vec<&ModeResult> {
 fn variable_chart(variable: &Variable, shown: &[&ModeResult]) -> LineChart {
     let series = shown
         .iter()
-        .map(|m| {
-            Series::line(
-                m.name.as_str(),
-                &m.history.time_s,
-                (variable.of)(&m.history),
-            )
-        })
+        .map(|m| Series::line(m.name.as_str(), &m.history.time_s, (variable.of)(&m.history)))
         .collect();
     LineChart::new(
         variable.label,
@@ -213,21 +196,11 @@ fn variable_chart(variable: &Variable, shown: &[&ModeResult]) -> LineChart {
 
 /// The paper's figures 7 and 8: the schedule as designed, and with fewer switchings.
 pub(super) fn schedule_figures(numbering: &mut Numbering, results: &LongPeriodResults) -> Markup {
-    let end_s = results
-        .nominal_history
-        .time_s
-        .last()
-        .copied()
-        .unwrap_or(0.0);
+    let end_s = results.nominal_history.time_s.last().copied().unwrap_or(0.0);
     let switchings = |s: &ScheduleData| s.switch_time_s.len().saturating_sub(1);
     let designed = schedule_charts(&[("designed", &results.designed)], end_s);
-    let reduced = schedule_charts(
-        &[
-            ("reduced", &results.reduced),
-            ("designed", &results.designed),
-        ],
-        end_s,
-    );
+    let reduced =
+        schedule_charts(&[("reduced", &results.reduced), ("designed", &results.designed)], end_s);
     html! {
         (numbering.figure("figure-7",
             &format!("The designed gain schedules, {} switchings (after the paper's figure 7).", switchings(&results.designed)),

@@ -33,12 +33,7 @@ fn counted(pacing: &Pacing) -> String {
 /// Median, 99 % and maximum of these times, in words.
 fn quantiles(times: &[Tick]) -> String {
     let of = |part| quantile(times, part).map_or(0.0, microseconds);
-    format!(
-        "median {:.0} us, 99 % within {:.0} us, at most {:.0} us",
-        of(0.5),
-        of(0.99),
-        of(1.0)
-    )
+    format!("median {:.0} us, 99 % within {:.0} us, at most {:.0} us", of(0.5), of(0.99), of(1.0))
 }
 
 /// How long updates took.
@@ -57,12 +52,7 @@ fn jitter(pacing: &Pacing) -> String {
 /// For a terminal: counts, a histogram by thirds of a decade, the first overruns.
 #[must_use]
 pub fn pacing_text(pacing: &Pacing) -> String {
-    let mut text = format!(
-        "{}\n{}\n{}\n",
-        counted(pacing),
-        jitter(pacing),
-        latencies(pacing)
-    );
+    let mut text = format!("{}\n{}\n{}\n", counted(pacing), jitter(pacing), latencies(pacing));
     // Bin k holds latencies from 10^(k/3) to 10^((k+1)/3) µs; shorter ones are in the first.
     let mut counts = std::collections::BTreeMap::<i32, usize>::new();
     for latency in pacing.latencies() {
@@ -79,11 +69,8 @@ pub fn pacing_text(pacing: &Pacing) -> String {
             // A single frame shows too.
             let bar = "#".repeat((count * BAR).div_ceil(most));
             // Writing to a String cannot fail.
-            let line = format!(
-                "  {:>8.0} to {:>8.0} us {count:>7} {bar}",
-                edge(bin),
-                edge(bin + 1)
-            );
+            let line =
+                format!("  {:>8.0} to {:>8.0} us {count:>7} {bar}", edge(bin), edge(bin + 1));
             let _ = writeln!(text, "{}", line.trim_end());
         }
     }
@@ -129,11 +116,7 @@ pub fn pacing_section(pacing: &Pacing) -> Section {
         let by = by.map_or("not there before the stop".to_owned(), |by| {
             format!("{:.0}", microseconds(by))
         });
-        table.row([
-            overrun.frame.to_string().as_str().into(),
-            what.into(),
-            by.as_str().into(),
-        ]);
+        table.row([overrun.frame.to_string().as_str().into(), what.into(), by.as_str().into()]);
     }
     let more = pacing.overruns().len().saturating_sub(LISTED_ON_PAGE);
     Section::new(
@@ -165,10 +148,7 @@ mod tests {
             samples.late = Tick(1_200_000 * i64::from(frame % 2 == 1));
             if let Some(before) = frame.checked_sub(1) {
                 let tick = Tick(1_000_000) * before as i64 + Tick(70_000);
-                samples.transfers[0] = Transfer {
-                    frame: before,
-                    tick,
-                };
+                samples.transfers[0] = Transfer { frame: before, tick };
                 samples.transfer_count = 1;
             }
             pacing.observe(&samples);

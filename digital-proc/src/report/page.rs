@@ -20,11 +20,7 @@ impl Section {
     #[must_use]
     pub fn new(title: impl Into<String>, body: Markup) -> Section {
         let title = title.into();
-        Section {
-            id: anchor(&title),
-            title,
-            body,
-        }
+        Section { id: anchor(&title), title, body }
     }
 }
 
@@ -119,9 +115,5 @@ pub fn anchor(text: &str) -> String {
         }
     }
     let anchor = anchor.trim_end_matches('-');
-    if anchor.is_empty() {
-        "section".to_owned()
-    } else {
-        anchor.to_owned()
-    }
+    if anchor.is_empty() { "section".to_owned() } else { anchor.to_owned() }
 }

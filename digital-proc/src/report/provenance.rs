@@ -15,10 +15,7 @@ pub fn provenance(record: &RunRecord) -> Markup {
         ("Link".to_owned(), record.link.clone()),
     ];
     if let Some(patch) = &record.patch {
-        items.push((
-            "Patch".to_owned(),
-            format!("{}, SHA-256 {}", patch.name, patch.sha256),
-        ));
+        items.push(("Patch".to_owned(), format!("{}, SHA-256 {}", patch.name, patch.sha256)));
     }
     for (name, version) in &record.versions {
         items.push((format!("Version of {name}"), version.clone()));
@@ -32,11 +29,7 @@ pub fn provenance(record: &RunRecord) -> Markup {
 
 fn flatten(prefix: &str, table: &toml::Table, items: &mut Vec<(String, String)>) {
     for (key, value) in table {
-        let name = if prefix.is_empty() {
-            key.clone()
-        } else {
-            format!("{prefix}.{key}")
-        };
+        let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
         match value {
             toml::Value::Table(inner) => flatten(&name, inner, items),
             toml::Value::String(text) => items.push((name, text.clone())),

@@ -149,10 +149,8 @@ pub fn sensitivity_sections(
     for point in points {
         for measure in [Measure::Overshoot, Measure::BendingLeft] {
             // A loop that never overshoots shows nothing to rank.
-            let widest = point
-                .ranked(measure)
-                .first()
-                .map_or(0.0, |e| e.span(measure, &point.nominal));
+            let widest =
+                point.ranked(measure).first().map_or(0.0, |e| e.span(measure, &point.nominal));
             if widest == 0.0 {
                 continue;
             }

@@ -52,11 +52,8 @@ impl Summary {
     /// Aligned lines for a terminal.
     #[must_use]
     pub fn text(&self) -> String {
-        let numbers: Vec<String> = self
-            .entries
-            .iter()
-            .map(|entry| significant(entry.value, entry.digits))
-            .collect();
+        let numbers: Vec<String> =
+            self.entries.iter().map(|entry| significant(entry.value, entry.digits)).collect();
         let width = |lengths: &mut dyn Iterator<Item = usize>| lengths.max().unwrap_or(0);
         let labels = width(&mut self.entries.iter().map(|e| e.label.chars().count()));
         let values = width(&mut numbers.iter().map(String::len));
@@ -76,10 +73,7 @@ impl Summary {
     /// An object of full-precision numbers by key; not finite becomes null.
     #[must_use]
     pub fn json(&self) -> Value {
-        let entries = self
-            .entries
-            .iter()
-            .map(|e| (e.key.clone(), Value::from(e.value)));
+        let entries = self.entries.iter().map(|e| (e.key.clone(), Value::from(e.value)));
         Value::Object(entries.collect::<Map<_, _>>())
     }
 
@@ -87,9 +81,7 @@ impl Summary {
     #[must_use]
     pub fn table(&self) -> Table {
         let mut table = Table::new(
-            ["Result", "Value", "Unit", ""]
-                .map(|label| Heading::new(label, ""))
-                .to_vec(),
+            ["Result", "Value", "Unit", ""].map(|label| Heading::new(label, "")).to_vec(),
         );
         for entry in &self.entries {
             table.row([
@@ -110,14 +102,7 @@ mod tests {
     #[test]
     fn text_is_aligned_and_json_is_exact() {
         let mut summary = Summary::new();
-        summary.add(
-            "max_q_kpa",
-            "Maximum dynamic pressure",
-            94.871_234,
-            4,
-            "kPa",
-            "at 32.1 s",
-        );
+        summary.add("max_q_kpa", "Maximum dynamic pressure", 94.871_234, 4, "kPa", "at 32.1 s");
         summary.add("range_km", "Range", 8.1, 2, "km", "");
         assert_eq!(
             summary.text(),

@@ -58,11 +58,7 @@ impl Heading {
     /// A heading with four significant digits.
     #[must_use]
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Heading {
-        Heading {
-            label: label.into(),
-            unit: unit.into(),
-            digits: 4,
-        }
+        Heading { label: label.into(), unit: unit.into(), digits: 4 }
     }
 
     /// The same with another number of digits.
@@ -86,10 +82,7 @@ impl Table {
     /// A table without rows.
     #[must_use]
     pub fn new(headings: Vec<Heading>) -> Table {
-        Table {
-            headings,
-            rows: Vec::new(),
-        }
+        Table { headings, rows: Vec::new() }
     }
 
     /// Adds a row.
@@ -151,13 +144,7 @@ impl Table {
             lines.push((0..self.headings.len()).map(|c| content(row, c)).collect());
         }
         let widths: Vec<usize> = (0..self.headings.len())
-            .map(|c| {
-                lines
-                    .iter()
-                    .map(|line| line[c].chars().count())
-                    .max()
-                    .unwrap_or(0)
-            })
+            .map(|c| lines.iter().map(|line| line[c].chars().count()).max().unwrap_or(0))
             .collect();
         let mut out = String::new();
         for (n, line) in lines.iter().enumerate() {
@@ -221,10 +208,8 @@ mod tests {
     use super::*;
 
     fn sample() -> Table {
-        let mut table = Table::new(vec![
-            Heading::new("Variable", ""),
-            Heading::new("Maximum", "kPa"),
-        ]);
+        let mut table =
+            Table::new(vec![Heading::new("Variable", ""), Heading::new("Maximum", "kPa")]);
         table.row(["Q".into(), 94.871_23.into()]);
         table.row(["nothing".into(), f64::NAN.into()]);
         table

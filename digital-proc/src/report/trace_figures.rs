@@ -46,11 +46,8 @@ pub fn trace_figure(spec: &FigureSpec, trace: &Trace, size: Size) -> Result<Mark
     let time_s = trace.time_s();
     let mut series = Vec::with_capacity(spec.curves.len());
     for curve in &spec.curves {
-        let values: Vec<f64> = trace
-            .column(&curve.column)?
-            .iter()
-            .map(|value| value * curve.factor)
-            .collect();
+        let values: Vec<f64> =
+            trace.column(&curve.column)?.iter().map(|value| value * curve.factor).collect();
         series.push(Series::line(curve.name.clone(), &time_s, &values));
     }
     Ok(line_chart(&LineChart {
@@ -88,11 +85,7 @@ pub fn trace_report(title: &str, trace: &Trace, record: &RunRecord) -> String {
             numbering.figure(&id, &caption, line_chart(&chart.size(Size::HALF)))
         })
         .collect();
-    let extent = format!(
-        "{} rows of {} columns.",
-        trace.recorded(),
-        trace.columns().len()
-    );
+    let extent = format!("{} rows of {} columns.", trace.recorded(), trace.columns().len());
     let torn = "The run did not end its trace: rows after the last complete batch are lost.";
     let body = html! {
         p { (extent) }
@@ -102,9 +95,6 @@ pub fn trace_report(title: &str, trace: &Trace, record: &RunRecord) -> String {
     page(
         title,
         "",
-        &[
-            Section::new("Time histories", body),
-            Section::new("Provenance", provenance(record)),
-        ],
+        &[Section::new("Time histories", body), Section::new("Provenance", provenance(record))],
     )
 }

@@ -39,12 +39,7 @@ impl fmt::Display for Difference {
             Difference::Instant { row, ticks } => {
                 write!(f, "row {row}: at {} against {}", ticks[0], ticks[1])
             }
-            Difference::Value {
-                row,
-                tick,
-                column,
-                values: [a, b],
-            } => write!(
+            Difference::Value { row, tick, column, values: [a, b] } => write!(
                 f,
                 "row {row} at {tick}: `{column}` is {a:e} against {b:e} (bits {:016x} and {:016x})",
                 a.to_bits(),

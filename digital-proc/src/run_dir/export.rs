@@ -21,14 +21,9 @@ pub fn write_csv<W: Write>(trace: &Trace, sink: W) -> io::Result<()> {
             format!("{} [{}]", column.name, column.unit)
         }
     });
-    csv.write_record(
-        ["tick_ns".to_owned(), "time_s".to_owned()]
-            .into_iter()
-            .chain(headings),
-    )?;
-    let columns: Vec<&[f64]> = (0..trace.columns().len())
-        .filter_map(|index| trace.values(index))
-        .collect();
+    csv.write_record(["tick_ns".to_owned(), "time_s".to_owned()].into_iter().chain(headings))?;
+    let columns: Vec<&[f64]> =
+        (0..trace.columns().len()).filter_map(|index| trace.values(index)).collect();
     let mut field = String::new();
     for (row, &tick) in trace.ticks().iter().enumerate() {
         csv.write_field(tick.to_string())?;

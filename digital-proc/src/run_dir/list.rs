@@ -53,19 +53,11 @@ pub fn list_runs(base: &Path) -> Result<Vec<RunEntry>, RunDirError> {
             let record = RunDirectory::open(&path).and_then(|run| run.read_record());
             let (command, started, state) = match record {
                 Ok(record) => (record.command, record.started, whole),
-                Err(error) => (
-                    format!("({error})").replace('\n', " "),
-                    String::new(),
-                    RunState::Unreadable,
-                ),
+                Err(error) => {
+                    (format!("({error})").replace('\n', " "), String::new(), RunState::Unreadable)
+                }
             };
-            RunEntry {
-                name,
-                path,
-                command,
-                started,
-                state,
-            }
+            RunEntry { name, path, command, started, state }
         })
         .collect())
 }
@@ -93,10 +85,8 @@ pub fn resolve(base: &Path, text: &str) -> Result<RunDirectory, RunDirError> {
     {
         return RunDirectory::open(&base.join(name));
     }
-    let candidates: Vec<&String> = names
-        .iter()
-        .filter(|name| !text.is_empty() && begins(name, text))
-        .collect();
+    let candidates: Vec<&String> =
+        names.iter().filter(|name| !text.is_empty() && begins(name, text)).collect();
     match candidates.as_slice() {
         [one] => RunDirectory::open(&base.join(one)),
         [] => Err(RunDirError::NoSuchRun {
@@ -132,10 +122,7 @@ const TIME: &str = "0000-00-00T00-00-00";
 
 /// Sorted names of the run directories under `base`.
 fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
-    let fail = |cause| RunDirError::Base {
-        path: base.to_owned(),
-        cause,
-    };
+    let fail = |cause| RunDirError::Base { path: base.to_owned(), cause };
     let entries = match fs::read_dir(base) {
         Ok(entries) => entries,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -193,11 +180,7 @@ mod tests {
         assert_eq!(list[11].name, "1970-01-02T00-00-00-fly-11");
         assert_eq!(list[11].state, RunState::Complete);
         assert_eq!(list[10].state, RunState::Unfinished);
-        assert!(
-            list_runs(Path::new("/nonexistent/runs"))
-                .unwrap()
-                .is_empty()
-        );
+        assert!(list_runs(Path::new("/nonexistent/runs")).unwrap().is_empty());
     }
 
     /// A record that leads nowhere stands for one that the system does not let be read, which
@@ -220,11 +203,7 @@ mod tests {
     fn a_run_is_found_by_name_path_or_unique_prefix() {
         let base = base_with(&[("fly", 0), ("fly", 0), ("root", 60)]);
         let path = base.path().join("1970-01-01T00-01-00-root");
-        for text in [
-            "1970-01-01T00-01-00-root",
-            "1970-01-01T00-01",
-            path.to_str().unwrap(),
-        ] {
+        for text in ["1970-01-01T00-01-00-root", "1970-01-01T00-01", path.to_str().unwrap()] {
             assert_eq!(resolve(base.path(), text).unwrap().path(), path);
         }
         // The full name of a run that is gone is no other run, and no part is cut in a word.
@@ -241,10 +220,7 @@ mod tests {
             let error = resolve(base.path(), text).unwrap_err();
             assert!(matches!(error, RunDirError::NoSuchRun { .. }), "{error}");
         }
-        assert_eq!(
-            resolve(base.path(), "1970-01-01T00-01-30").unwrap().name(),
-            again.name()
-        );
+        assert_eq!(resolve(base.path(), "1970-01-01T00-01-30").unwrap().name(), again.name());
         std::fs::remove_dir_all(again.path()).unwrap();
         // A name that is also a prefix of another is itself.
         let exact = resolve(base.path(), "1970-01-01T00-00-00-fly").unwrap();
@@ -254,15 +230,8 @@ mod tests {
             Err(RunDirError::Ambiguous { candidates, .. }) if candidates.len() == 3
         ));
         let error = resolve(base.path(), "1970-01-01T00-01-00-rot").unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .contains("did you mean `1970-01-01T00-01-00-root`")
-        );
-        assert!(matches!(
-            resolve(base.path(), "./nowhere"),
-            Err(RunDirError::NotARun { .. })
-        ));
+        assert!(error.to_string().contains("did you mean `1970-01-01T00-01-00-root`"));
+        assert!(matches!(resolve(base.path(), "./nowhere"), Err(RunDirError::NotARun { .. })));
         assert!(resolve(base.path(), "").is_err());
     }
 }

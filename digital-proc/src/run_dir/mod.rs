@@ -69,10 +69,8 @@ impl RunDirectory {
         command: &str,
         started: UtcSecond,
     ) -> Result<RunDirectory, RunDirError> {
-        fs::create_dir_all(base).map_err(|cause| RunDirError::Base {
-            path: base.to_owned(),
-            cause,
-        })?;
+        fs::create_dir_all(base)
+            .map_err(|cause| RunDirError::Base { path: base.to_owned(), cause })?;
         let stem = format!("{}-{}", started.file_name(), slug(command));
         for serial in 1..=MOST_NAMESAKES {
             let name = match serial {
@@ -84,16 +82,11 @@ impl RunDirectory {
                 Ok(()) => return Ok(RunDirectory { path }),
                 Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(cause) => {
-                    return Err(RunDirError::Base {
-                        path: base.to_owned(),
-                        cause,
-                    });
+                    return Err(RunDirError::Base { path: base.to_owned(), cause });
                 }
             }
         }
-        Err(RunDirError::TooManyNamesakes {
-            path: base.join(stem),
-        })
+        Err(RunDirError::TooManyNamesakes { path: base.join(stem) })
     }
 
     /// The directory of an existing run.
@@ -102,16 +95,9 @@ impl RunDirectory {
     /// `path` is no directory or holds no `run.toml`.
     pub fn open(path: &Path) -> Result<RunDirectory, RunDirError> {
         match holds_record(path) {
-            Ok(true) => Ok(RunDirectory {
-                path: path.to_owned(),
-            }),
-            Ok(false) => Err(RunDirError::NotARun {
-                path: path.to_owned(),
-            }),
-            Err(cause) => Err(RunDirError::Read {
-                path: path.join(RECORD_FILE),
-                cause,
-            }),
+            Ok(true) => Ok(RunDirectory { path: path.to_owned() }),
+            Ok(false) => Err(RunDirError::NotARun { path: path.to_owned() }),
+            Err(cause) => Err(RunDirError::Read { path: path.join(RECORD_FILE), cause }),
         }
     }
 
@@ -124,10 +110,7 @@ impl RunDirectory {
     /// Its last component, by which the user names the run.
     #[must_use]
     pub fn name(&self) -> String {
-        self.path
-            .file_name()
-            .map(|name| name.to_string_lossy().into_owned())
-            .unwrap_or_default()
+        self.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
     }
 
     /// Path of a file in it.
@@ -141,12 +124,10 @@ impl RunDirectory {
     /// # Errors
     /// The file cannot be written, or the record holds what TOML cannot (see [`RunRecord`]).
     pub fn write_record(&self, record: &RunRecord) -> Result<(), RunDirError> {
-        let text = record
-            .to_toml()
-            .map_err(|cause| RunDirError::UnwritableRecord {
-                path: self.file(RECORD_FILE),
-                cause,
-            })?;
+        let text = record.to_toml().map_err(|cause| RunDirError::UnwritableRecord {
+            path: self.file(RECORD_FILE),
+            cause,
+        })?;
         self.write_file(RECORD_FILE, text.as_bytes())
     }
 
@@ -165,11 +146,8 @@ impl RunDirectory {
     /// # Errors
     /// The file cannot be written or `summary` cannot be JSON.
     pub fn write_summary(&self, summary: &impl Serialize) -> Result<(), RunDirError> {
-        let mut text =
-            serde_json::to_string_pretty(summary).map_err(|cause| RunDirError::BadSummary {
-                path: self.file(SUMMARY_FILE),
-                cause,
-            })?;
+        let mut text = serde_json::to_string_pretty(summary)
+            .map_err(|cause| RunDirError::BadSummary { path: self.file(SUMMARY_FILE), cause })?;
         text.push('\n');
         self.write_file(SUMMARY_FILE, text.as_bytes())
     }
@@ -216,10 +194,8 @@ impl RunDirectory {
         rows_per_batch: usize,
     ) -> Result<TraceWriter<File>, TraceError> {
         let path = self.file(name);
-        let file = File::create(&path).map_err(|cause| TraceError::Write {
-            path: path.clone(),
-            cause,
-        })?;
+        let file =
+            File::create(&path).map_err(|cause| TraceError::Write { path: path.clone(), cause })?;
         TraceWriter::new(file, &path, columns, rows_per_batch)
     }
 
@@ -285,11 +261,7 @@ fn slug(command: &str) -> String {
         }
     }
     let slug = slug.trim_matches(['-', '.']);
-    if slug.is_empty() {
-        "run".to_owned()
-    } else {
-        slug.to_owned()
-    }
+    if slug.is_empty() { "run".to_owned() } else { slug.to_owned() }
 }
 
 #[cfg(test)]
@@ -348,12 +320,8 @@ mod tests {
     fn summary_reads_back() {
         let base = tempfile::tempdir().unwrap();
         let run = RunDirectory::create(base.path(), "fly", UtcSecond(0)).unwrap();
-        run.write_summary(&serde_json::json!({"max_q_pa": 95_000.5}))
-            .unwrap();
+        run.write_summary(&serde_json::json!({"max_q_pa": 95_000.5})).unwrap();
         assert_eq!(run.read_summary().unwrap()["max_q_pa"], 95_000.5);
-        assert!(matches!(
-            RunDirectory::open(run.path()),
-            Err(RunDirError::NotARun { .. })
-        ));
+        assert!(matches!(RunDirectory::open(run.path()), Err(RunDirError::NotARun { .. })));
     }
 }

@@ -100,10 +100,7 @@ impl RunRecord {
 
     /// The record as the text of `run.toml`.
     pub(super) fn to_toml(&self) -> Result<String, toml::ser::Error> {
-        Ok(format!(
-            "# Everything needed to repeat this run.\n{}",
-            toml::to_string_pretty(self)?
-        ))
+        Ok(format!("# Everything needed to repeat this run.\n{}", toml::to_string_pretty(self)?))
     }
 }
 
@@ -114,17 +111,12 @@ pub(super) mod tests {
     pub(crate) fn sample() -> RunRecord {
         RunRecord {
             command: "fly normal".to_owned(),
-            command_line: ["digital-proc", "fly", "--mode", "normal"]
-                .map(str::to_owned)
-                .to_vec(),
+            command_line: ["digital-proc", "fly", "--mode", "normal"].map(str::to_owned).to_vec(),
             started: "2026-03-01T12:34:56Z".to_owned(),
             profile: "ideal".to_owned(),
             link: "shm".to_owned(),
             versions: BTreeMap::from([("digital-proc".to_owned(), "0.1.0".to_owned())]),
-            patch: Some(PatchIdentity {
-                name: "stage.toml".to_owned(),
-                sha256: "00ff".to_owned(),
-            }),
+            patch: Some(PatchIdentity { name: "stage.toml".to_owned(), sha256: "00ff".to_owned() }),
             seeds: BTreeMap::from([("gyro-noise".to_owned(), Seed(u64::MAX))]),
             parameters: toml::toml! {
                 frame = "100ms"
@@ -139,10 +131,7 @@ pub(super) mod tests {
     fn record_reads_back_equal() {
         let text = sample().to_toml().unwrap();
         assert_eq!(toml::from_str::<RunRecord>(&text).unwrap(), sample());
-        assert!(
-            text.contains("gyro-noise = \"0xffffffffffffffff\""),
-            "{text}"
-        );
+        assert!(text.contains("gyro-noise = \"0xffffffffffffffff\""), "{text}");
     }
 
     #[test]

@@ -35,10 +35,7 @@ impl Column {
     /// A column of that name and unit.
     #[must_use]
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Column {
-        Column {
-            name: name.into(),
-            unit: unit.into(),
-        }
+        Column { name: name.into(), unit: unit.into() }
     }
 }
 
@@ -81,11 +78,7 @@ impl<W: Write> TraceWriter<W> {
                 .with_metadata(HashMap::from([(UNIT_KEY.to_owned(), unit.to_owned())]))
         };
         let fields: Vec<Field> = std::iter::once(field(TICK_COLUMN, "ns", DataType::Int64))
-            .chain(
-                columns
-                    .iter()
-                    .map(|c| field(&c.name, &c.unit, DataType::Float64)),
-            )
+            .chain(columns.iter().map(|c| field(&c.name, &c.unit, DataType::Float64)))
             .collect();
         let schema = Arc::new(Schema::new(fields));
         let encoder =
@@ -163,9 +156,7 @@ impl<W: Write> TraceWriter<W> {
     /// The sink fails.
     pub fn finish(mut self) -> Result<u64, TraceError> {
         self.flush()?;
-        self.encoder
-            .finish()
-            .map_err(|cause| arrow(&self.path, cause))?;
+        self.encoder.finish().map_err(|cause| arrow(&self.path, cause))?;
         self.hand_over()?;
         self.ended = true;
         Ok(self.rows)
@@ -178,10 +169,7 @@ impl<W: Write> TraceWriter<W> {
             .sink
             .write_all(bytes)
             .and_then(|()| self.sink.flush())
-            .map_err(|cause| TraceError::Write {
-                path: self.path.clone(),
-                cause,
-            });
+            .map_err(|cause| TraceError::Write { path: self.path.clone(), cause });
         bytes.clear();
         written
     }
@@ -197,10 +185,7 @@ impl<W: Write> Drop for TraceWriter<W> {
 }
 
 fn arrow(path: &Path, cause: ArrowError) -> TraceError {
-    TraceError::Arrow {
-        path: path.to_owned(),
-        cause,
-    }
+    TraceError::Arrow { path: path.to_owned(), cause }
 }
 
 #[cfg(test)]
@@ -230,11 +215,7 @@ mod tests {
             TraceWriter::new(Vec::new(), Path::new("t"), &[Column::new("x", "m")], 8).unwrap();
         assert!(matches!(
             trace.push(Tick(0), &[1.0, 2.0]),
-            Err(TraceError::RowWidth {
-                columns: 1,
-                values: 2,
-                ..
-            })
+            Err(TraceError::RowWidth { columns: 1, values: 2, .. })
         ));
     }
 

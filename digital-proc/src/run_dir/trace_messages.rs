@@ -25,10 +25,7 @@ impl Fault {
     pub fn told_of(self, path: &Path) -> TraceError {
         let path = path.to_owned();
         match self {
-            Fault::Damaged(reason) => TraceError::NotATrace {
-                path,
-                reason: reason.to_owned(),
-            },
+            Fault::Damaged(reason) => TraceError::NotATrace { path, reason: reason.to_owned() },
             Fault::Io(cause) => TraceError::Io { path, cause },
         }
     }
@@ -146,11 +143,7 @@ impl<R: Read> Messages<R> {
     /// Reads `length` further bytes of a message; false, and nothing is left of the
     /// message, when the file ends before.
     fn take(&mut self, length: u64) -> io::Result<bool> {
-        let got = self
-            .source
-            .by_ref()
-            .take(length)
-            .read_to_end(&mut self.message)?;
+        let got = self.source.by_ref().take(length).read_to_end(&mut self.message)?;
         let whole = got as u64 == length;
         if !whole {
             self.message.clear();
@@ -180,27 +173,20 @@ impl<R: Read> Read for Messages<R> {
 /// within the body and uncompressed.
 fn check_batch(batch: arrow_ipc::RecordBatch<'_>, columns: usize, body: u64) -> Result<(), Fault> {
     const DAMAGED: Fault = Fault::Damaged("a batch's buffers do not fit its rows");
-    let (nodes, buffers) = (
-        batch.nodes().ok_or(DAMAGED)?,
-        batch.buffers().ok_or(DAMAGED)?,
-    );
+    let (nodes, buffers) = (batch.nodes().ok_or(DAMAGED)?, batch.buffers().ok_or(DAMAGED)?);
     let rows = batch.length();
     let whole = nodes.len() == columns
         && buffers.len() == 2 * columns
         && batch.compression().is_none()
         && (0..=(body / 8) as i64).contains(&rows)
-        && nodes
-            .iter()
-            .all(|node| node.length() == rows && node.null_count() == 0)
+        && nodes.iter().all(|node| node.length() == rows && node.null_count() == 0)
         && buffers.iter().enumerate().all(|(i, buffer)| {
             let (offset, length) = (buffer.offset(), buffer.length());
             let enough = i % 2 == 0 || length == rows * 8;
             offset >= 0
                 && length >= 0
                 && enough
-                && offset
-                    .checked_add(length)
-                    .is_some_and(|end| end <= body as i64)
+                && offset.checked_add(length).is_some_and(|end| end <= body as i64)
         });
     if whole { Ok(()) } else { Err(DAMAGED) }
 }

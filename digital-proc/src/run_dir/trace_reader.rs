@@ -58,19 +58,11 @@ impl Trace {
     }
 
     fn collect(source: impl Read, path: &Path, most: usize) -> Result<Trace, TraceError> {
-        let not_a_trace = |reason: String| TraceError::NotATrace {
-            path: path.to_owned(),
-            reason,
-        };
-        let arrow = |cause| TraceError::Arrow {
-            path: path.to_owned(),
-            cause,
-        };
+        let not_a_trace = |reason: String| TraceError::NotATrace { path: path.to_owned(), reason };
+        let arrow = |cause| TraceError::Arrow { path: path.to_owned(), cause };
         let mut messages = Messages::new(source);
         if !messages.begin().map_err(|f| f.told_of(path))? {
-            return Err(TraceError::NothingRecorded {
-                path: path.to_owned(),
-            });
+            return Err(TraceError::NothingRecorded { path: path.to_owned() });
         }
         let mut reader = StreamReader::try_new(messages, None).map_err(arrow)?;
         let columns = columns_of(&reader.schema()).map_err(not_a_trace)?;
@@ -84,9 +76,8 @@ impl Trace {
             let batch = batch.map_err(arrow)?;
             let ticks = batch.column(0).as_primitive::<Int64Type>().values();
             let values = batch.columns()[1..].iter();
-            let values: Vec<&[f64]> = values
-                .map(|array| array.as_primitive::<Float64Type>().values().as_ref())
-                .collect();
+            let values: Vec<&[f64]> =
+                values.map(|array| array.as_primitive::<Float64Type>().values().as_ref()).collect();
             rows.push(ticks, &values);
         }
         Ok(Trace {
@@ -133,10 +124,7 @@ impl Trace {
     /// Problem time of each row, s, rounded once.
     #[must_use]
     pub fn time_s(&self) -> Vec<f64> {
-        self.ticks
-            .iter()
-            .map(|&ns| interface::Tick(ns).secs())
-            .collect()
+        self.ticks.iter().map(|&ns| interface::Tick(ns).secs()).collect()
     }
 
     /// The values of column `index`, one a row.
@@ -166,10 +154,7 @@ impl Trace {
     /// # Errors
     /// The file cannot be written.
     pub fn export_csv(&self, path: &Path) -> Result<(), RunDirError> {
-        let fail = |cause| RunDirError::Write {
-            path: path.to_owned(),
-            cause,
-        };
+        let fail = |cause| RunDirError::Write { path: path.to_owned(), cause };
         let file = std::fs::File::create(path).map_err(fail)?;
         super::write_csv(self, file).map_err(fail)
     }
@@ -177,10 +162,7 @@ impl Trace {
 
 /// Opens a file that can be read to its end: a pipe in its place would be waited for.
 fn open(path: &Path) -> Result<impl Read, TraceError> {
-    let fail = |cause| TraceError::Io {
-        path: path.to_owned(),
-        cause,
-    };
+    let fail = |cause| TraceError::Io { path: path.to_owned(), cause };
     if !std::fs::metadata(path).map_err(fail)?.is_file() {
         return Err(fail(io::Error::other("it is no file")));
     }
@@ -201,11 +183,7 @@ fn columns_of(schema: &Schema) -> Result<Vec<Column>, String> {
             if *field.data_type() != DataType::Float64 {
                 return Err(format!("its column `{}` is not of f64", field.name()));
             }
-            let unit = field
-                .metadata()
-                .get(UNIT_KEY)
-                .map(ToString::to_string)
-                .unwrap_or_default();
+            let unit = field.metadata().get(UNIT_KEY).map(ToString::to_string).unwrap_or_default();
             Ok(Column::new(field.name(), unit))
         })
         .collect()
@@ -238,9 +216,7 @@ mod tests {
                 lengths.push(file.as_file().metadata().unwrap().len() as usize);
             }
             let tick = Tick(row as i64 * 100_000_000);
-            trace
-                .push(tick, &[value(row, 0), value(row, 1), value(row, 2)])
-                .unwrap();
+            trace.push(tick, &[value(row, 0), value(row, 1), value(row, 2)]).unwrap();
         }
         trace.finish().unwrap();
         (std::fs::read(file.path()).unwrap(), lengths)
@@ -291,9 +267,7 @@ mod tests {
         assert_eq!((thin.recorded(), whole.recorded()), (ROWS, ROWS));
         assert!(thin.rows() <= 24, "{}", thin.rows());
         let extreme = |trace: &Trace, of: fn(f64, f64) -> f64| {
-            (0..3)
-                .map(|c| trace.values(c).unwrap().iter().copied().reduce(of))
-                .collect::<Vec<_>>()
+            (0..3).map(|c| trace.values(c).unwrap().iter().copied().reduce(of)).collect::<Vec<_>>()
         };
         assert_eq!(extreme(&thin, f64::min), extreme(&whole, f64::min));
         assert_eq!(extreme(&thin, f64::max), extreme(&whole, f64::max));

@@ -78,12 +78,7 @@ impl AlphaLaw {
         let rate = adc.first().copied().unwrap_or(f64::NAN);
         match self.setting.loop_.scheme {
             Scheme::Conventional => self.conventional(rate, updates),
-            Scheme::Redundant {
-                slow_frames,
-                gain,
-                delivery,
-                correction,
-            } => {
+            Scheme::Redundant { slow_frames, gain, delivery, correction } => {
                 let angle = adc.get(1).copied().unwrap_or(f64::NAN);
                 self.note_range(angle);
                 updates.set_dac(0, self.moment.value(angle));
@@ -106,10 +101,9 @@ impl AlphaLaw {
 
     fn conventional(&mut self, rate: f64, updates: &mut Updates) {
         let direction = self.setting.loop_.rotation.direction;
-        let digital = self.digital.get_or_insert(DigitalAngle {
-            angle_rad: self.setting.initial_rad,
-            last: None,
-        });
+        let digital = self
+            .digital
+            .get_or_insert(DigitalAngle { angle_rad: self.setting.initial_rad, last: None });
         let angle = digital.advance(self.setting.loop_.frame_s);
         digital.store(direction * rate + self.force.value(angle));
         updates.set_dac(0, self.moment.value(angle));
@@ -119,10 +113,7 @@ impl AlphaLaw {
 
     fn correction_error(&mut self, rate: f64, angle: f64, slow: f64, delivery: Delivery) -> f64 {
         let direction = self.setting.loop_.rotation.direction;
-        let digital = self.digital.get_or_insert(DigitalAngle {
-            angle_rad: angle,
-            last: None,
-        });
+        let digital = self.digital.get_or_insert(DigitalAngle { angle_rad: angle, last: None });
         let before = digital.angle_rad;
         let now = digital.advance(slow);
         digital.store(direction * rate + self.force.value(angle));
@@ -327,11 +318,7 @@ impl AlphaSetting {
             Scheme::Redundant { gain, .. } => Some(gain),
         };
         Ok(AlphaRow {
-            scheme: if gain.is_some() {
-                "redundant"
-            } else {
-                "conventional"
-            },
+            scheme: if gain.is_some() { "redundant" } else { "conventional" },
             slow_s: self.slow_s(),
             fast_s: self.loop_.frame_s,
             gain,
@@ -377,12 +364,7 @@ mod tests {
     }
 
     fn redundant(gain: f64, delivery: Delivery, correction: Correction) -> Scheme {
-        Scheme::Redundant {
-            slow_frames: 10,
-            gain,
-            delivery,
-            correction,
-        }
+        Scheme::Redundant { slow_frames: 10, gain, delivery, correction }
     }
 
     #[test]
@@ -391,11 +373,7 @@ mod tests {
             AlphaSetting::standard(6.0, Scheme::Conventional, 0.1, 0.1),
             AlphaSetting::standard(4.0, Scheme::Conventional, 0.05, 0.0),
         ];
-        for delivery in [
-            Delivery::Prompt,
-            Delivery::LateMatched,
-            Delivery::LateUnmatched,
-        ] {
+        for delivery in [Delivery::Prompt, Delivery::LateMatched, Delivery::LateUnmatched] {
             for correction in [Correction::Spread, Correction::Pulse] {
                 for gain in [0.1, 0.2, 0.5] {
                     let scheme = redundant(gain, delivery, correction);
@@ -409,17 +387,10 @@ mod tests {
                 setting.loop_.rotation.direction = direction;
                 let row = run(&setting);
                 // The claim is 1e-4.
-                assert!(
-                    (row.zeta_measured - row.zeta_exact).abs() < 1e-6,
-                    "{setting:?} {row:?}"
-                );
+                assert!((row.zeta_measured - row.zeta_exact).abs() < 1e-6, "{setting:?} {row:?}");
                 let ratio = row.omega_measured_rad_s / row.omega_exact_rad_s;
                 assert!((ratio - 1.0).abs() < 1e-6, "{row:?}");
-                assert_eq!(
-                    row.stable_measured,
-                    row.spectral_radius < 1.0,
-                    "{setting:?} {row:?}"
-                );
+                assert_eq!(row.stable_measured, row.spectral_radius < 1.0, "{setting:?} {row:?}");
             }
         }
     }

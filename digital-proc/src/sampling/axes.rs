@@ -117,10 +117,9 @@ impl AxesSetting {
         let pair = match axes {
             Axes::Body => [v * libm::cos(alpha), v * libm::sin(alpha)],
             Axes::FlightPath => [v, gamma],
-            Axes::H => [
-                (EARTH_RADIUS_M + self.altitude_m) * v * libm::cos(gamma),
-                v * libm::sin(gamma),
-            ],
+            Axes::H => {
+                [(EARTH_RADIUS_M + self.altitude_m) * v * libm::cos(gamma), v * libm::sin(gamma)]
+            }
         };
         State([pair[0], pair[1], self.altitude_m, 0.0])
     }
@@ -240,10 +239,7 @@ impl AxesSetting {
     /// γ at the frames from a fully digital run with the true attitude, `substeps` RK4 steps a frame.
     #[must_use]
     pub fn reference(&self, axes: Axes, frames: usize, substeps: u32) -> Vec<f64> {
-        let ideal = AxesSetting {
-            offset_of_full_scale: 0.0,
-            ..*self
-        };
+        let ideal = AxesSetting { offset_of_full_scale: 0.0, ..*self };
         let h = self.frame_s / f64::from(substeps.max(1));
         let mut s = ideal.start(axes);
         let mut gammas = Vec::with_capacity(frames);
@@ -273,12 +269,8 @@ impl AxesSetting {
             .iter()
             .enumerate()
             .map(|(k, axes)| {
-                let square: f64 = law
-                    .gammas
-                    .iter()
-                    .zip(&truth)
-                    .map(|(g, t)| (g[k] - t).powi(2))
-                    .sum();
+                let square: f64 =
+                    law.gammas.iter().zip(&truth).map(|(g, t)| (g[k] - t).powi(2)).sum();
                 AxesRow {
                     axes: *axes,
                     frame_s: self.frame_s,
@@ -322,9 +314,7 @@ impl AxesLaw {
                 _ => (self.setting.normal_m_s2_per_rad * (theta + s.0[3] - gammas[k])).abs(),
             };
             self.artificial[k] = self.artificial[k].max(turning);
-            self.states[k] = self
-                .setting
-                .step(axes, s, self.setting.frame_s, |_| (theta, q));
+            self.states[k] = self.setting.step(axes, s, self.setting.frame_s, |_| (theta, q));
         }
         self.gammas.push(gammas);
     }
@@ -363,11 +353,7 @@ mod tests {
         let mut law = setting.law();
         for n in 0..plan.stop.0 / plan.frame.0 {
             let (theta, q) = setting.attitude(plan.frame.secs() * n as f64);
-            law.step(
-                n.unsigned_abs(),
-                &[theta, q],
-                &mut Updates::new(0, Tick::ZERO),
-            );
+            law.step(n.unsigned_abs(), &[theta, q], &mut Updates::new(0, Tick::ZERO));
         }
         setting.rows(&law).unwrap()
     }
@@ -390,10 +376,7 @@ mod tests {
         let [body, path, h] = [&rows[0], &rows[1], &rows[2]];
         assert!(body.turning_acceleration_max_m_s2 > 200.0);
         assert!(path.turning_acceleration_max_m_s2 < 3.0);
-        assert!(
-            body.gamma_error_rms_deg / path.gamma_error_rms_deg > 10.0,
-            "{rows:?}"
-        );
+        assert!(body.gamma_error_rms_deg / path.gamma_error_rms_deg > 10.0, "{rows:?}");
         // Flight-path and H axes hold the same quantities: they differ at second order only.
         let ratio = h.gamma_error_rms_deg / path.gamma_error_rms_deg;
         assert!((ratio - 1.0).abs() < 0.1, "{rows:?}");
@@ -405,10 +388,8 @@ mod tests {
 
     #[test]
     fn errors_vanish_at_first_order() {
-        let (coarse, fine) = (
-            run(&AxesSetting::standard(0.05)),
-            run(&AxesSetting::standard(0.025)),
-        );
+        let (coarse, fine) =
+            (run(&AxesSetting::standard(0.05)), run(&AxesSetting::standard(0.025)));
         for (c, f) in coarse.iter().zip(&fine) {
             let order = (c.gamma_error_rms_deg / f.gamma_error_rms_deg).log2();
             assert!((order - 1.0).abs() < 0.2, "{c:?} {f:?}");
@@ -418,13 +399,7 @@ mod tests {
     #[test]
     fn an_offset_of_full_scale_costs_body_axes_most() {
         // Small frames leave the offset alone.
-        let rows = run(&AxesSetting {
-            offset_of_full_scale: 5e-4,
-            ..AxesSetting::standard(1e-3)
-        });
-        assert!(
-            rows[0].gamma_error_rms_deg > 4.0 * rows[1].gamma_error_rms_deg,
-            "{rows:?}"
-        );
+        let rows = run(&AxesSetting { offset_of_full_scale: 5e-4, ..AxesSetting::standard(1e-3) });
+        assert!(rows[0].gamma_error_rms_deg > 4.0 * rows[1].gamma_error_rms_deg, "{rows:?}");
     }
 }

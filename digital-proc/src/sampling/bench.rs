@@ -53,42 +53,18 @@ const SHIPPED: &[(&str, &str)] = &[
         "lab/alpha-conventional.toml",
         include_str!("../../../patch-files/lab/alpha-conventional.toml"),
     ),
-    (
-        "lab/alpha-redundant.toml",
-        include_str!("../../../patch-files/lab/alpha-redundant.toml"),
-    ),
-    (
-        "lab/axes.toml",
-        include_str!("../../../patch-files/lab/axes.toml"),
-    ),
-    (
-        "lab/circle.toml",
-        include_str!("../../../patch-files/lab/circle.toml"),
-    ),
-    (
-        "lab/coefficient.toml",
-        include_str!("../../../patch-files/lab/coefficient.toml"),
-    ),
+    ("lab/alpha-redundant.toml", include_str!("../../../patch-files/lab/alpha-redundant.toml")),
+    ("lab/axes.toml", include_str!("../../../patch-files/lab/axes.toml")),
+    ("lab/circle.toml", include_str!("../../../patch-files/lab/circle.toml")),
+    ("lab/coefficient.toml", include_str!("../../../patch-files/lab/coefficient.toml")),
     (
         "lab/function-generation.toml",
         include_str!("../../../patch-files/lab/function-generation.toml"),
     ),
-    (
-        "lab/quantisation.toml",
-        include_str!("../../../patch-files/lab/quantisation.toml"),
-    ),
-    (
-        "lab/root.toml",
-        include_str!("../../../patch-files/lab/root.toml"),
-    ),
-    (
-        "lab/skew.toml",
-        include_str!("../../../patch-files/lab/skew.toml"),
-    ),
-    (
-        "redundant-integrator.toml",
-        include_str!("../../../patch-files/redundant-integrator.toml"),
-    ),
+    ("lab/quantisation.toml", include_str!("../../../patch-files/lab/quantisation.toml")),
+    ("lab/root.toml", include_str!("../../../patch-files/lab/root.toml")),
+    ("lab/skew.toml", include_str!("../../../patch-files/lab/skew.toml")),
+    ("redundant-integrator.toml", include_str!("../../../patch-files/redundant-integrator.toml")),
 ];
 
 fn shipped_names() -> String {
@@ -111,19 +87,12 @@ pub fn shipped(root: &str) -> Result<PatchBundle, BenchFault> {
     {
         files.push(((*name).to_owned(), (*text).to_owned()));
     }
-    Ok(PatchBundle {
-        root: root.to_owned(),
-        files,
-    })
+    Ok(PatchBundle { root: root.to_owned(), files })
 }
 
 /// A number set by an experiment, not by a machine's data sheet.
 pub fn chosen<T>(value: T) -> Option<Sourced<T>> {
-    Some(Sourced {
-        value,
-        status: Provenance::Assumed,
-        source: "set by the experiment".to_owned(),
-    })
+    Some(Sourced { value, status: Provenance::Assumed, source: "set by the experiment".to_owned() })
 }
 
 /// The wire's name of a hold.
@@ -146,11 +115,7 @@ pub struct Bench<'c, 'p> {
 impl<'c, 'p> Bench<'c, 'p> {
     /// Over a console; `base` is the profile whose hold each plan replaces by its own.
     pub fn new(console: &'c mut Console<'p>, base: Profile) -> Bench<'c, 'p> {
-        Bench {
-            console,
-            base,
-            saturated: Vec::new(),
-        }
+        Bench { console, base, saturated: Vec::new() }
     }
 
     /// Converters and coefficients that saturated in any run so far; a study tells its own with
@@ -239,26 +204,18 @@ impl<'c, 'p> Bench<'c, 'p> {
         stop: Tick,
         mut law: impl FnMut(&Samples, &mut Updates),
     ) -> Result<(Saturations, Vec<u64>), BenchFault> {
-        let spec = RunSpec {
-            frame,
-            latency,
-            skew,
-            stop,
-            from_ic: true,
-            clock: Clock::LockStep,
-        };
+        let spec = RunSpec { frame, latency, skew, stop, from_ic: true, clock: Clock::LockStep };
         let mut saturations = Saturations::default();
         let mut frames = Vec::new();
-        self.console
-            .operate::<ConsoleFault>(&spec, |samples, updates| {
-                if saturations.note(samples) {
-                    frames.push(samples.frame);
-                }
-                if samples.run_state() != RunState::Ended {
-                    law(samples, updates);
-                }
-                Ok(())
-            })?;
+        self.console.operate::<ConsoleFault>(&spec, |samples, updates| {
+            if saturations.note(samples) {
+                frames.push(samples.frame);
+            }
+            if samples.run_state() != RunState::Ended {
+                law(samples, updates);
+            }
+            Ok(())
+        })?;
         Ok((saturations, frames))
     }
 
@@ -302,25 +259,17 @@ impl<'c, 'p> Bench<'c, 'p> {
             law.step(s.frame, &s.adc, s.sense, up);
         })?;
         let exact = self.correlated("exact")?;
-        [
-            (Way::AllDigital, "all_digital"),
-            (Way::Hybrid, "hybrid"),
-            (Way::LocalCell, "local"),
-        ]
-        .into_iter()
-        .map(|(way, name)| Ok(setting.row(way, self.correlated(name)?, exact)?))
-        .collect()
+        [(Way::AllDigital, "all_digital"), (Way::Hybrid, "hybrid"), (Way::LocalCell, "local")]
+            .into_iter()
+            .map(|(way, name)| Ok(setting.row(way, self.correlated(name)?, exact)?))
+            .collect()
     }
 
     fn correlated(&mut self, name: &str) -> Result<Correlated, BenchFault> {
         let nets = ["sine", "cosine", "square"].map(|what| format!("{name}_{what}"));
         let values = self.console.read(nets.into())?;
         let at = |i: usize| values.get(i).copied().unwrap_or(f64::NAN);
-        Ok(Correlated {
-            sine: at(0),
-            cosine: at(1),
-            square: at(2),
-        })
+        Ok(Correlated { sine: at(0), cosine: at(1), square: at(2) })
     }
 
     /// Three systems of axes from the samples of one run.
@@ -393,17 +342,13 @@ impl<'c, 'p> Bench<'c, 'p> {
             profile.dac.bits = chosen(bits);
         }
         let bits = profile.adc.bits.as_ref().map(|b| b.value);
-        self.console
-            .load(bundle.clone(), study.params.clone(), profile)?;
+        self.console.load(bundle.clone(), study.params.clone(), profile)?;
         let mut law = study.law(self.console.channels())?;
         let (saturations, frames) =
             self.operate_noting(case.frame, case.latency, Tick::ZERO, study.stop, |s, up| {
                 law.step(s.frame, &s.adc, up);
             })?;
-        let saturated = Saturated {
-            channels: saturations.names(self.console.channels()),
-            frames,
-        };
+        let saturated = Saturated { channels: saturations.names(self.console.channels()), frames };
         let mut row = study.row(case, &law, &saturated)?;
         row.bits = bits;
         Ok(row)
@@ -418,10 +363,7 @@ mod tests {
     fn shipped_patches_bring_what_they_use() {
         let bundle = shipped("lab/alpha-redundant.toml").unwrap();
         let names: Vec<&str> = bundle.files.iter().map(|(n, _)| n.as_str()).collect();
-        assert_eq!(
-            names,
-            ["lab/alpha-redundant.toml", "redundant-integrator.toml"]
-        );
+        assert_eq!(names, ["lab/alpha-redundant.toml", "redundant-integrator.toml"]);
         assert_eq!(shipped("lab/circle.toml").unwrap().files.len(), 1);
         assert!(shipped("lab/none.toml").is_err());
     }

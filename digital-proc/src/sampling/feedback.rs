@@ -27,12 +27,7 @@ impl FeedbackLaw {
     /// A law of gain k and a lead of `lead_frames`.
     #[must_use]
     pub fn new(gain: f64, lead_frames: f64) -> FeedbackLaw {
-        FeedbackLaw {
-            gain,
-            lead_frames,
-            previous: None,
-            record: Vec::new(),
-        }
+        FeedbackLaw { gain, lead_frames, previous: None, record: Vec::new() }
     }
 
     /// Frame n: reads ADC 0, sets DAC 0.
@@ -256,18 +251,8 @@ impl RootSetting {
     /// # Errors
     /// For numbers out of range.
     pub fn plan(&self) -> Result<RunPlan, LabError> {
-        require(
-            "the natural frequency",
-            self.omega0_rad_s,
-            self.omega0_rad_s > 0.0,
-            "> 0 rad/s",
-        )?;
-        require(
-            "the damping",
-            self.zeta,
-            (0.0..1.0).contains(&self.zeta),
-            "0 to below 1",
-        )?;
+        require("the natural frequency", self.omega0_rad_s, self.omega0_rad_s > 0.0, "> 0 rad/s")?;
+        require("the damping", self.zeta, (0.0..1.0).contains(&self.zeta), "0 to below 1")?;
         require(
             "the latency",
             self.latency_frames,
@@ -302,12 +287,7 @@ impl RootSetting {
         let exact = theory.exact_root()?;
         let first = theory.first_order_root()?;
         let per_cycle = std::f64::consts::TAU / (exact.im.abs() * self.frame_s);
-        let measured = pole(
-            &law.record,
-            self.frame_s,
-            per_cycle,
-            theory.continuous_root()?,
-        )?;
+        let measured = pole(&law.record, self.frame_s, per_cycle, theory.continuous_root()?)?;
         Ok(RootRow {
             setting: *self,
             zeta_measured: damping_ratio(measured),
@@ -331,12 +311,7 @@ fn pole(record: &[f64], frame_s: f64, per_cycle: f64, near: C64) -> Result<C64, 
     let longest = (record.len() / 40).max(1);
     let stride = ((per_cycle / 20.0).floor().max(1.0) as usize).min(longest);
     let thinned: Vec<f64> = record.iter().step_by(stride).copied().collect();
-    Ok(identify::oscillatory_pole(
-        &thinned,
-        stride as f64 * frame_s,
-        1e-9,
-        near,
-    )?)
+    Ok(identify::oscillatory_pole(&thinned, stride as f64 * frame_s, 1e-9, near)?)
 }
 
 #[cfg(test)]

@@ -59,11 +59,8 @@ pub enum Partition {
 
 impl Partition {
     /// All, in the order of the tables.
-    pub const ALL: [Partition; 3] = [
-        Partition::RedundantAlpha,
-        Partition::ConventionalAlpha,
-        Partition::DigitalControl,
-    ];
+    pub const ALL: [Partition; 3] =
+        [Partition::RedundantAlpha, Partition::ConventionalAlpha, Partition::DigitalControl];
 
     /// Name in tables and legends.
     #[must_use]
@@ -93,14 +90,8 @@ impl Partition {
             }
             Partition::DigitalControl => {
                 for (name, block) in [
-                    (
-                        "limit_p",
-                        "{ kind = \"limiter\", in = [\"tvc_p\"], limit = \"force_max\" }",
-                    ),
-                    (
-                        "limit_y",
-                        "{ kind = \"limiter\", in = [\"tvc_y\"], limit = \"force_max\" }",
-                    ),
+                    ("limit_p", "{ kind = \"limiter\", in = [\"tvc_p\"], limit = \"force_max\" }"),
+                    ("limit_y", "{ kind = \"limiter\", in = [\"tvc_y\"], limit = \"force_max\" }"),
                 ] {
                     *text = replace_block(text, name, block);
                 }
@@ -169,17 +160,10 @@ impl Extra {
         let adc = |name| console.channel(ChannelKind::Adc, name);
         Ok(match partition {
             Partition::RedundantAlpha => Extra::default(),
-            Partition::ConventionalAlpha => Extra {
-                alpha: dac("alpha_held")?,
-                ..Extra::default()
-            },
+            Partition::ConventionalAlpha => Extra { alpha: dac("alpha_held")?, ..Extra::default() },
             Partition::DigitalControl => Extra {
                 alpha: 0,
-                tips: [
-                    dac("digital_u_pitch")?,
-                    dac("digital_u_2")?,
-                    dac("digital_u_4")?,
-                ],
+                tips: [dac("digital_u_pitch")?, dac("digital_u_2")?, dac("digital_u_4")?],
                 tvc: [dac("tvc_p")?, dac("tvc_y")?],
                 gyro: [adc("adc_gyro_q")?, adc("adc_gyro_r")?, adc("adc_gyro_p")?],
             },
@@ -190,11 +174,7 @@ impl Extra {
 impl Task {
     fn step(&mut self, samples: &Samples, result: &FrameResult, updates: &mut Updates) {
         let command = result.sample.pitch_command_rad
-            + if result.sample.time_s >= STEP_AT_S {
-                self.step_rad
-            } else {
-                0.0
-            };
+            + if result.sample.time_s >= STEP_AT_S { self.step_rad } else { 0.0 };
         updates.set_dac(self.theta_c, command);
         match self.partition {
             Partition::RedundantAlpha => {}
@@ -223,10 +203,7 @@ impl Task {
         let [q, r, p] = self.channels.gyro.map(|n| samples.adc[n]);
         let (s, c) = libm::sincos(phi);
         let (error_theta, error_psi) = (command - theta, -psi);
-        let errors = [
-            error_theta * c + error_psi * s,
-            error_psi * c - error_theta * s,
-        ];
+        let errors = [error_theta * c + error_psi * s, error_psi * c - error_theta * s];
         let settings = &result.settings;
         let gains = &settings.gains;
         // The lag's answer to a held input over one frame.
@@ -310,10 +287,8 @@ pub fn fly(
         _ => 1,
     };
     let slow = Rate::every(fast).unwrap_or(Rate::FAST);
-    let fast_frame = slow.fast_period(frame).ok_or(FlightFault::Periods {
-        step: frame,
-        fast_frames: fast,
-    })?;
+    let fast_frame =
+        slow.fast_period(frame).ok_or(FlightFault::Periods { step: frame, fast_frames: fast })?;
     let plan = FlightPlan {
         case: case.clone(),
         step: frame,

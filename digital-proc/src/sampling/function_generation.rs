@@ -119,10 +119,7 @@ impl FunctionLaw {
         }
         let interior = (1_u64 << (ALPHA_RAD.len() - 2)) - 1;
         let cell = (sense & interior).count_ones() as usize;
-        let (low, high) = (
-            self.table.ordinate(cell, mach),
-            self.table.ordinate(cell + 1, mach),
-        );
+        let (low, high) = (self.table.ordinate(cell, mach), self.table.ordinate(cell + 1, mach));
         let slope = (high - low) / (ALPHA_RAD[cell + 1] - ALPHA_RAD[cell]);
         updates.set_dcu(FIRST_LOCAL, slope);
         updates.set_dac(1, low - slope * ALPHA_RAD[cell]);
@@ -209,10 +206,7 @@ impl FunctionSetting {
     /// # Errors
     /// Never for the table of this module; the type says so to the caller.
     pub fn law(&self) -> Result<FunctionLaw, LabError> {
-        Ok(FunctionLaw {
-            setting: *self,
-            table: table()?,
-        })
+        Ok(FunctionLaw { setting: *self, table: table()? })
     }
 
     /// Measured beside theory, from the correlators at the end of the run.
@@ -264,11 +258,8 @@ impl FunctionSetting {
             slope += ((table.value(alpha, m + d) - table.value(alpha, m - d)) / (2.0 * d)).powi(2);
             level += table.value(alpha, m).powi(2);
         }
-        let held = staircase_rms(
-            self.mach_rate_per_s,
-            self.frame_s,
-            self.latency_frames * self.frame_s,
-        );
+        let held =
+            staircase_rms(self.mach_rate_per_s, self.frame_s, self.latency_frames * self.frame_s);
         Ok(held * (slope / level).sqrt())
     }
 }
@@ -296,11 +287,7 @@ mod tests {
     fn run(setting: &FunctionSetting, fine: u32) -> [Correlated; 4] {
         let table = table().unwrap();
         let mut law = setting.law().unwrap();
-        let mut sums = [Correlated {
-            sine: 0.0,
-            cosine: 0.0,
-            square: 0.0,
-        }; 4];
+        let mut sums = [Correlated { sine: 0.0, cosine: 0.0, square: 0.0 }; 4];
         let w = setting.omega_rad_s();
         let late = (setting.latency_frames * f64::from(fine)).round() as u32;
         let mut active = Updates::new(0, Tick::ZERO);
@@ -344,41 +331,25 @@ mod tests {
     #[test]
     fn all_digital_lags_and_hybrid_does_not() {
         for (latency_frames, frames_per_cycle) in [(1.0, 39), (0.0, 39), (0.5, 80)] {
-            let setting = FunctionSetting {
-                latency_frames,
-                frames_per_cycle,
-                ..FunctionSetting::standard()
-            };
+            let setting =
+                FunctionSetting { latency_frames, frames_per_cycle, ..FunctionSetting::standard() };
             setting.plan().unwrap();
             let [exact, digital, hybrid, local] = run(&setting, 200);
             let row = setting.row(Way::AllDigital, digital, exact).unwrap();
             // Claims: 0.2° and 0.01°.
-            assert!(
-                (row.lag_measured_deg - row.lag_theory_deg).abs() < 0.2,
-                "{row:?}"
-            );
+            assert!((row.lag_measured_deg - row.lag_theory_deg).abs() < 0.2, "{row:?}");
             // 2 sin(φ/2) neglects the images: T²ω²/12 of the mean square, and the harmonics' own lag.
             let theory = row.rms_theory_percent.unwrap();
-            assert!(
-                (row.rms_measured_percent / theory - 1.0).abs() < 0.2,
-                "{row:?}"
-            );
+            assert!((row.rms_measured_percent / theory - 1.0).abs() < 0.2, "{row:?}");
             let row = setting.row(Way::Hybrid, hybrid, exact).unwrap();
             assert!(row.lag_measured_deg.abs() < 0.01, "{row:?}");
             // The staircase formula takes M's error as independent of where α is: a few percent.
             let theory = row.rms_theory_percent.unwrap();
-            assert!(
-                (row.rms_measured_percent / theory - 1.0).abs() < 0.05,
-                "{row:?}"
-            );
+            assert!((row.rms_measured_percent / theory - 1.0).abs() < 0.05, "{row:?}");
             let row = setting.row(Way::LocalCell, local, exact).unwrap();
             assert!(
                 row.lag_measured_deg.abs()
-                    < 0.2
-                        * setting
-                            .row(Way::AllDigital, digital, exact)
-                            .unwrap()
-                            .lag_measured_deg
+                    < 0.2 * setting.row(Way::AllDigital, digital, exact).unwrap().lag_measured_deg
             );
             assert!(row.rms_measured_percent > 0.0);
         }

@@ -78,10 +78,7 @@ pub fn fit_sine(
         normal += row * row.transpose();
         right += row * *y;
     }
-    let solution = normal
-        .cholesky()
-        .ok_or(IdentifyError::Singular { omega_rad_s })?
-        .solve(&right);
+    let solution = normal.cholesky().ok_or(IdentifyError::Singular { omega_rad_s })?.solve(&right);
     let (mean, s, c) = (solution[0], solution[1], solution[2]);
     let square: f64 = times_s
         .iter()
@@ -109,11 +106,7 @@ pub fn correlated_phase_rad(sine: f64, cosine: f64) -> f64 {
 #[must_use]
 pub fn angle_difference_rad(a: f64, b: f64) -> f64 {
     let d = (a - b).rem_euclid(std::f64::consts::TAU);
-    if d > std::f64::consts::PI {
-        d - std::f64::consts::TAU
-    } else {
-        d
-    }
+    if d > std::f64::consts::PI { d - std::f64::consts::TAU } else { d }
 }
 
 /// Longest record that [`poles`] takes; further samples are left out.
@@ -184,10 +177,7 @@ pub fn strongest(
     roots: &[C64],
     candidates: impl Fn(&C64) -> bool,
 ) -> Option<C64> {
-    let z: Vec<C64> = roots
-        .iter()
-        .map(|s| ComplexField::exp(s * period_s))
-        .collect();
+    let z: Vec<C64> = roots.iter().map(|s| ComplexField::exp(s * period_s)).collect();
     let energy = ModalFit::new(samples, &z)?.energy;
     (0..roots.len())
         .filter(|k| candidates(&roots[*k]))
@@ -253,26 +243,18 @@ pub fn oscillatory_pole(
     floor: f64,
     near: C64,
 ) -> Result<C64, IdentifyError> {
-    let oscillatory: Vec<C64> = poles(samples, period_s, floor)?
-        .into_iter()
-        .filter(|s| s.im > 0.0)
-        .collect();
+    let oscillatory: Vec<C64> =
+        poles(samples, period_s, floor)?.into_iter().filter(|s| s.im > 0.0).collect();
     crate::sampling::theory::nearest_root(&oscillatory, near).ok_or(IdentifyError::NoOscillation)
 }
 
 /// Refuses fewer than `needed` samples, and what is no number.
 pub(super) fn check(values: &[f64], needed: usize) -> Result<(), IdentifyError> {
     if values.len() < needed {
-        return Err(IdentifyError::TooFew {
-            found: values.len(),
-            needed,
-        });
+        return Err(IdentifyError::TooFew { found: values.len(), needed });
     }
     match values.iter().position(|v| !v.is_finite()) {
-        Some(index) => Err(IdentifyError::NotFinite {
-            index,
-            value: values[index],
-        }),
+        Some(index) => Err(IdentifyError::NotFinite { index, value: values[index] }),
         None => Ok(()),
     }
 }
@@ -285,10 +267,8 @@ mod tests {
     fn a_sine_with_harmonics_over_whole_periods() {
         let w = std::f64::consts::TAU / 2.0;
         let t: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
-        let y: Vec<f64> = t
-            .iter()
-            .map(|t| 0.5 + 2.0 * (w * t + 0.3).sin() + 0.1 * (3.0 * w * t).cos())
-            .collect();
+        let y: Vec<f64> =
+            t.iter().map(|t| 0.5 + 2.0 * (w * t + 0.3).sin() + 0.1 * (3.0 * w * t).cos()).collect();
         let f = fit_sine(&t, &y, w).unwrap();
         // Two whole periods: the harmonic is orthogonal, only rounding is left.
         assert!((f.amplitude - 2.0).abs() < 1e-13);
@@ -299,12 +279,7 @@ mod tests {
 
     #[test]
     fn three_modes_are_told_apart() {
-        let (t, s1, s2, s3) = (
-            0.05,
-            C64::new(0.2, 6.0),
-            C64::new(-3.0, 11.0),
-            C64::new(-8.0, 0.0),
-        );
+        let (t, s1, s2, s3) = (0.05, C64::new(0.2, 6.0), C64::new(-3.0, 11.0), C64::new(-8.0, 0.0));
         let y: Vec<f64> = (0..200)
             .map(|n| {
                 let time = f64::from(n) * t;
@@ -327,9 +302,7 @@ mod tests {
         for _ in 0..40 {
             let y: Vec<f64> = (0..199)
                 .map(|n| {
-                    state = state
-                        .wrapping_mul(6_364_136_223_846_793_005)
-                        .wrapping_add(1);
+                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                     let rounding = 1.0 + ((state >> 40) as f64 / 2f64.powi(24) - 0.5) * 4e-16;
                     let fast = 0.725_f64.powi(n) + 0.2286_f64.powi(n) - 0.0597_f64.powi(n)
                         + (-0.0482_f64).powi(n);
@@ -345,16 +318,10 @@ mod tests {
 
     #[test]
     fn records_that_say_nothing_are_refused() {
-        assert!(matches!(
-            poles(&[1.0; 5], 0.1, 1e-9),
-            Err(IdentifyError::TooFew { .. })
-        ));
+        assert!(matches!(poles(&[1.0; 5], 0.1, 1e-9), Err(IdentifyError::TooFew { .. })));
         let mut y = vec![1.0; 60];
         y[7] = f64::INFINITY;
-        assert!(matches!(
-            poles(&y, 0.1, 1e-9),
-            Err(IdentifyError::NotFinite { index: 7, .. })
-        ));
+        assert!(matches!(poles(&y, 0.1, 1e-9), Err(IdentifyError::NotFinite { index: 7, .. })));
         assert!(poles(&[0.0; 60], 0.1, 1e-9).is_err());
         assert!(oscillatory_pole(&[1.0; 60], 0.1, 1e-9, C64::new(0.0, 1.0)).is_err());
         assert!(fit_sine(&[0.0; 9], &[1.0; 9], 3.0).is_err());

@@ -39,12 +39,7 @@ impl Route {
     /// One ADC and one DAC of full scale 1.
     #[must_use]
     pub fn simple() -> Route {
-        Route {
-            scan: vec![0],
-            position: 0,
-            dac: 0,
-            full_scale: 1.0,
-        }
+        Route { scan: vec![0], position: 0, dac: 0, full_scale: 1.0 }
     }
 
     /// The channels of a loaded patch: the ADC and DAC named, else the first of each.
@@ -63,10 +58,7 @@ impl Route {
             None => Ok(0),
             Some(name) => list.iter().position(|c| c.name == name).ok_or_else(|| {
                 let names: Vec<&str> = list.iter().map(|c| c.name.as_str()).collect();
-                format!(
-                    "the patch has no {what} `{name}`; it has {}",
-                    names.join(", ")
-                )
+                format!("the patch has no {what} `{name}`; it has {}", names.join(", "))
             }),
         };
         let position = find(&adcs, adc, "ADC")?;
@@ -146,12 +138,8 @@ impl Stages {
         let mut profile = Profile::ideal();
         profile.adc.bits = self.adc_bits.and_then(chosen);
         profile.dac.bits = self.dac_bits.and_then(chosen);
-        profile.adc.aperture = Some(self.aperture)
-            .filter(|t| *t > Tick::ZERO)
-            .and_then(chosen);
-        profile.dac.settling = Some(self.settling)
-            .filter(|t| *t > Tick::ZERO)
-            .and_then(chosen);
+        profile.adc.aperture = Some(self.aperture).filter(|t| *t > Tick::ZERO).and_then(chosen);
+        profile.dac.settling = Some(self.settling).filter(|t| *t > Tick::ZERO).and_then(chosen);
         profile.dac.hold = chosen(hold_kind(self.hold));
         profile
     }
@@ -182,11 +170,7 @@ pub fn window(wanted_hz: f64, frame: Tick) -> Result<Window, LabError> {
     )?;
     let frames = LEAST_FRAMES.max((4.0 / (wanted_hz * t)).ceil());
     let cycles = (wanted_hz * frames * t).round().max(1.0);
-    Ok(Window {
-        frequency_hz: cycles / (frames * t),
-        cycles: cycles as u32,
-        frames: frames as u32,
-    })
+    Ok(Window { frequency_hz: cycles / (frames * t), cycles: cycles as u32, frames: frames as u32 })
 }
 
 /// Gain and phase of a channel.
@@ -201,12 +185,7 @@ pub struct Response {
 /// The generated patch.
 #[must_use]
 pub fn patch(route: &Route, window: Window, frame: Tick) -> PatchBundle {
-    let Route {
-        scan,
-        dac,
-        full_scale,
-        ..
-    } = route;
+    let Route { scan, dac, full_scale, .. } = route;
     // Half of full scale: no code saturates, whatever the lead adds.
     let amplitude = full_scale / 2.0;
     let f = window.frequency_hz;
@@ -254,20 +233,12 @@ impl Bench<'_, '_> {
         let (dac, lead) = (route.dac as usize, stages.lead_frames);
         let stop = stages.frame * (2 * i64::from(window.frames));
         let mut before = None;
-        self.operate(
-            stages.frame,
-            stages.latency,
-            stages.skew,
-            stop,
-            |samples, updates| {
-                let m = samples.adc[channel];
-                let last = before.replace(m).unwrap_or(m);
-                updates.set_dac(dac, m + lead * (m - last));
-            },
-        )?;
-        let values = self
-            .console()
-            .read(vec!["in_phase".to_owned(), "quadrature".to_owned()])?;
+        self.operate(stages.frame, stages.latency, stages.skew, stop, |samples, updates| {
+            let m = samples.adc[channel];
+            let last = before.replace(m).unwrap_or(m);
+            updates.set_dac(dac, m + lead * (m - last));
+        })?;
+        let values = self.console().read(vec!["in_phase".to_owned(), "quadrature".to_owned()])?;
         let at = |i: usize| values.get(i).copied().unwrap_or(f64::NAN);
         let (sine, cosine) = (at(0), at(1));
         let span_s = stages.frame.secs() * f64::from(window.frames);
@@ -311,10 +282,6 @@ mod tests {
         assert_eq!((route.scan, route.position, route.dac), (vec![1, 3], 1, 2));
         assert_eq!(route.full_scale, 5.0);
         assert_eq!(Route::of(&all, None, Some("u")).unwrap().full_scale, 7.0);
-        assert!(
-            Route::of(&all, Some("x"), None)
-                .unwrap_err()
-                .contains("it has a, b")
-        );
+        assert!(Route::of(&all, Some("x"), None).unwrap_err().contains("it has a, b"));
     }
 }

@@ -50,10 +50,7 @@ impl Element {
             frames as usize <= LONGEST,
             "at most 100000 frames",
         )?;
-        Ok(Element::Delay {
-            gain,
-            line: VecDeque::from(vec![0.0; frames as usize]),
-        })
+        Ok(Element::Delay { gain, line: VecDeque::from(vec![0.0; frames as usize]) })
     }
 
     /// A difference equation.
@@ -62,22 +59,12 @@ impl Element {
     /// When it is empty or too long, or `a[0]` is zero, or a coefficient is not finite.
     pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, LabError> {
         let leading = denominator.first().copied().unwrap_or(0.0);
-        require(
-            "the denominator's first coefficient",
-            leading,
-            leading != 0.0,
-            "not zero",
-        )?;
+        require("the denominator's first coefficient", leading, leading != 0.0, "not zero")?;
         for c in numerator.iter().chain(&denominator) {
             require("a coefficient", *c, true, "finite")?;
         }
         let n = numerator.len();
-        require(
-            "the numerator's length",
-            n as f64,
-            (1..=LONGEST).contains(&n),
-            "1 to 100000",
-        )?;
+        require("the numerator's length", n as f64, (1..=LONGEST).contains(&n), "1 to 100000")?;
         Ok(Element::Difference {
             inputs: VecDeque::from(vec![0.0; n]),
             outputs: VecDeque::from(vec![0.0; denominator.len()]),
@@ -93,24 +80,12 @@ impl Element {
                     *y = row.iter().zip(x).map(|(g, x)| g * x).sum();
                 }
             }
-            Element::Difference {
-                numerator,
-                denominator,
-                inputs,
-                outputs,
-            } => {
+            Element::Difference { numerator, denominator, inputs, outputs } => {
                 inputs.pop_back();
                 inputs.push_front(x[0]);
-                let forward: f64 = numerator
-                    .iter()
-                    .zip(inputs.iter())
-                    .map(|(b, x)| b * x)
-                    .sum();
-                let back: f64 = denominator[1..]
-                    .iter()
-                    .zip(outputs.iter())
-                    .map(|(a, y)| a * y)
-                    .sum();
+                let forward: f64 = numerator.iter().zip(inputs.iter()).map(|(b, x)| b * x).sum();
+                let back: f64 =
+                    denominator[1..].iter().zip(outputs.iter()).map(|(a, y)| a * y).sum();
                 y[0] = (forward - back) / denominator[0];
                 outputs.pop_back();
                 outputs.push_front(y[0]);
@@ -136,11 +111,7 @@ impl LoopLaw {
     /// Laws as (ADC channels, DAC channels, element); `measure` is the ADC channel to record.
     #[must_use]
     pub fn new(measure: usize, parts: Vec<(Vec<usize>, Vec<usize>, Element)>) -> LoopLaw {
-        LoopLaw {
-            measure,
-            parts,
-            record: Vec::new(),
-        }
+        LoopLaw { measure, parts, record: Vec::new() }
     }
 
     /// Frame n.
@@ -182,14 +153,8 @@ mod tests {
     #[test]
     fn elements_do_what_they_say() {
         let impulse = [1.0, 0.0, 0.0, 0.0];
-        assert_eq!(
-            drive(Element::delay(2, 3.0).unwrap(), &impulse),
-            [0.0, 0.0, 3.0, 0.0]
-        );
-        assert_eq!(
-            drive(Element::delay(0, 3.0).unwrap(), &impulse),
-            [3.0, 0.0, 0.0, 0.0]
-        );
+        assert_eq!(drive(Element::delay(2, 3.0).unwrap(), &impulse), [0.0, 0.0, 3.0, 0.0]);
+        assert_eq!(drive(Element::delay(0, 3.0).unwrap(), &impulse), [3.0, 0.0, 0.0, 0.0]);
         // 2 y_n − y_{n−1} = x_n + x_{n−1}: y = 1/2, 3/4, 3/8, 3/16, exact in binary.
         let e = Element::difference(vec![1.0, 1.0], vec![2.0, -1.0]).unwrap();
         assert_eq!(drive(e, &impulse), [0.5, 0.75, 0.375, 0.1875]);

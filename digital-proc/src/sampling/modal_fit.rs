@@ -31,9 +31,7 @@ impl ModalFit {
     /// record is constant.
     #[must_use]
     pub fn new(samples: &[f64], z: &[C64]) -> Option<ModalFit> {
-        let slow: Vec<usize> = (0..z.len())
-            .filter(|k| z[*k].modulus() >= OVER_AT_ONCE)
-            .collect();
+        let slow: Vec<usize> = (0..z.len()).filter(|k| z[*k].modulus() >= OVER_AT_ONCE).collect();
         let first = z.len() - slow.len();
         let stride = samples.len().div_ceil(MOST).max(1);
         let at: Vec<usize> = (first..samples.len()).step_by(stride).collect();
@@ -42,11 +40,7 @@ impl ModalFit {
         }
         // A growing mode is counted from its end, so that no column leaves the range of numbers.
         let from = |z: &C64| {
-            if z.modulus() > 1.0 {
-                *at.last().unwrap_or(&0)
-            } else {
-                first
-            }
+            if z.modulus() > 1.0 { *at.last().unwrap_or(&0) } else { first }
         };
         let columns = DMatrix::from_fn(at.len(), slow.len(), |i, k| {
             let z = z[slow[k]];
@@ -54,9 +48,7 @@ impl ModalFit {
         });
         let right = DMatrix::from_fn(at.len(), 1, |i, _| C64::new(samples[at[i]], 0.0));
         let qr = columns.clone().qr();
-        let weights = qr
-            .r()
-            .solve_upper_triangular(&(qr.q().adjoint() * &right))?;
+        let weights = qr.r().solve_upper_triangular(&(qr.q().adjoint() * &right))?;
         let left = (&columns * &weights - &right).norm_squared();
         let mean = right.iter().map(|v| v.re).sum::<f64>() / at.len() as f64;
         let record_energy: f64 = right.iter().map(|v| (v.re - mean).powi(2)).sum();

@@ -46,13 +46,11 @@ pub enum LabError {
 
 /// Seconds as a tick, refused when out of range.
 pub(crate) fn tick(what: &'static str, seconds: f64) -> Result<Tick, LabError> {
-    Tick::from_secs(seconds)
-        .filter(|t| t.0 >= 0)
-        .ok_or(LabError::Setting {
-            what,
-            value: seconds,
-            range: "a duration of 0 to 292 years",
-        })
+    Tick::from_secs(seconds).filter(|t| t.0 >= 0).ok_or(LabError::Setting {
+        what,
+        value: seconds,
+        range: "a duration of 0 to 292 years",
+    })
 }
 
 /// Refuses `value` unless `ok`.
@@ -62,9 +60,5 @@ pub(crate) fn require(
     ok: bool,
     range: &'static str,
 ) -> Result<(), LabError> {
-    if ok && value.is_finite() {
-        Ok(())
-    } else {
-        Err(LabError::Setting { what, value, range })
-    }
+    if ok && value.is_finite() { Ok(()) } else { Err(LabError::Setting { what, value, range }) }
 }

@@ -55,10 +55,7 @@ impl Table1 {
     /// # Errors
     /// When `limit` is not positive.
     pub fn line(slope: f64, limit: f64) -> Result<Table1, LabError> {
-        Table1::new(
-            vec![-limit, 0.0, limit],
-            vec![-slope * limit, 0.0, slope * limit],
-        )
+        Table1::new(vec![-limit, 0.0, limit], vec![-slope * limit, 0.0, slope * limit])
     }
 
     /// Value at `x`.
@@ -132,10 +129,7 @@ mod tests {
     fn bilinear_is_exact_for_a_bilinear_function() {
         let f = |x: f64, y: f64| 1.0 + 2.0 * x - y + 0.5 * x * y;
         let (x, y) = (vec![-1.0, 0.5, 2.0], vec![0.0, 3.0]);
-        let z = x
-            .iter()
-            .flat_map(|a| y.iter().map(move |b| f(*a, *b)))
-            .collect();
+        let z = x.iter().flat_map(|a| y.iter().map(move |b| f(*a, *b))).collect();
         let t = Table2::new(x, y, z).unwrap();
         for (a, b) in [(-1.0, 0.0), (0.0, 1.0), (0.5, 3.0), (1.7, 2.2), (2.0, 3.0)] {
             // Rounding of a handful of operations on numbers below 10.

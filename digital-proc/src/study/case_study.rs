@@ -103,11 +103,7 @@ pub fn run(
         }
         None => Vec::new(),
     };
-    Ok(CaseResults {
-        short: Outcome::new(plan.short.clone(), answers),
-        long,
-        sensitivity,
-    })
+    Ok(CaseResults { short: Outcome::new(plan.short.clone(), answers), long, sensitivity })
 }
 
 impl CaseResults {
@@ -118,10 +114,7 @@ impl CaseResults {
         claims.extend(long_period::claims::judge(&self.long));
         // The paper: the reduced schedule "has to be reevaluated again by reverting to the
         // short period analysis". What that finds belongs beside its claim.
-        let found = claims
-            .iter()
-            .find(|c| c.id == "P1")
-            .and_then(|c| c.remark.clone());
+        let found = claims.iter().find(|c| c.id == "P1").and_then(|c| c.remark.clone());
         if let Some(claim) = claims.iter_mut().find(|c| c.id == "L3")
             && let Some(found) = found
         {

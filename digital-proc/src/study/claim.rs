@@ -46,11 +46,7 @@ impl fmt::Display for Claim {
             Verdict::Fails => "FAILS",
             Verdict::NotJudged => "not judged",
         };
-        write!(
-            f,
-            "{} {verdict}: {}; measured {}",
-            self.id, self.criterion, self.measured
-        )?;
+        write!(f, "{} {verdict}: {}; measured {}", self.id, self.criterion, self.measured)?;
         if let Some(remark) = &self.remark {
             write!(f, " ({remark})")?;
         }

@@ -207,10 +207,7 @@ impl RawAction {
                     ),
                 ));
             }
-            actions.push(Action {
-                at_s,
-                effect: Effect::Factor(part, value),
-            });
+            actions.push(Action { at_s, effect: Effect::Factor(part, value) });
         }
         if let Some(sequencer) = &self.sequencer {
             let effect = match sequencer {
@@ -235,11 +232,8 @@ mod tests {
 
     #[test]
     fn every_named_mode_is_in_the_shipped_file() {
-        let names: Vec<&str> = FailureFile::shipped()
-            .modes
-            .iter()
-            .map(|m| m.name.as_str())
-            .collect();
+        let names: Vec<&str> =
+            FailureFile::shipped().modes.iter().map(|m| m.name.as_str()).collect();
         assert_eq!(names, FlightMode::ALL.map(FlightMode::name));
         for mode in FlightMode::ALL {
             assert_eq!(mode.script().name, mode.name());
@@ -275,16 +269,11 @@ name = "a"
                 "[[mode]]\nname = \"a\"\nactions = [{ at-s = 0.0, sequencer = \"frozn\" }]",
                 ["my.toml:3", "frozen"],
             ),
-            (
-                "[[mode]]\nname = \"a\"\nschedule = \"reducd\"",
-                ["my.toml:3", "reduced"],
-            ),
+            ("[[mode]]\nname = \"a\"\nschedule = \"reducd\"", ["my.toml:3", "reduced"]),
             ("[[mode]]\npaper = \"a\"", ["my.toml:", "name"]),
             ("", ["my.toml", "[[mode]]"]),
         ] {
-            let error = FailureFile::from_toml("my.toml", text)
-                .unwrap_err()
-                .to_string();
+            let error = FailureFile::from_toml("my.toml", text).unwrap_err().to_string();
             for word in words {
                 assert!(error.contains(word), "{text}: {error}");
             }

@@ -77,13 +77,7 @@ impl Checker<'_> {
     fn numbers(&mut self, section: &str, key: &str, values: &[f64], must: Must) {
         for (index, &value) in values.iter().enumerate() {
             if !must.holds(value) {
-                self.fault(
-                    section,
-                    key,
-                    Some(index),
-                    format!("is {value}"),
-                    must.remedy(),
-                );
+                self.fault(section, key, Some(index), format!("is {value}"), must.remedy());
             }
         }
     }
@@ -114,13 +108,7 @@ impl Checker<'_> {
     fn ordinates(&mut self, section: &str, key: &str, values: &[f64], wanted: usize, must: Must) {
         if values.len() != wanted {
             let fault = format!("has {} entries where {wanted} are needed", values.len());
-            self.fault(
-                section,
-                key,
-                None,
-                fault,
-                "give one entry for each abscissa",
-            );
+            self.fault(section, key, None, fault, "give one entry for each abscissa");
         }
         self.numbers(section, key, values, must);
     }
@@ -151,18 +139,8 @@ fn scalars(check: &mut Checker<'_>, d: &VehicleData) {
         ("site", "alt0", d.site.launch_altitude_m, BeFinite),
         ("geometry", "length", d.geometry.length_m, BePositive),
         ("geometry", "diameter", d.geometry.diameter_m, BePositive),
-        (
-            "geometry",
-            "S_ref",
-            d.geometry.reference_area_m2,
-            BePositive,
-        ),
-        (
-            "geometry",
-            "l_ref",
-            d.geometry.reference_length_m,
-            BePositive,
-        ),
+        ("geometry", "S_ref", d.geometry.reference_area_m2, BePositive),
+        ("geometry", "l_ref", d.geometry.reference_length_m, BePositive),
         ("geometry", "x_nozzle", d.geometry.nozzle_x_m, BeFinite),
         ("geometry", "x_sitvc", d.geometry.injection_x_m, BeFinite),
         ("geometry", "x_fin", d.geometry.fin_x_m, BeFinite),
@@ -190,51 +168,16 @@ fn scalars(check: &mut Checker<'_>, d: &VehicleData) {
         ("gyro", "wn", d.gyro.natural_frequency_radps, BePositive),
         ("gyro", "zeta", d.gyro.damping_ratio, NotBeNegative),
         ("imu", "T_sample", d.imu.sample_period_s, BePositive),
-        (
-            "bending",
-            "phi_c",
-            d.bending.displacement_at_control,
-            BeFinite,
-        ),
+        ("bending", "phi_c", d.bending.displacement_at_control, BeFinite),
         ("bending", "zeta", d.bending.damping_ratio, NotBeNegative),
         ("bending", "lam_gyro", d.bending.gyro_slope_pm, BeFinite),
-        (
-            "bending",
-            "filter_w",
-            d.bending.filter_corner_radps,
-            BePositive,
-        ),
+        ("bending", "filter_w", d.bending.filter_corner_radps, BePositive),
         ("bending", "lam_imu", d.bending.imu_slope_pm, BeFinite),
-        (
-            "disturbance",
-            "thrust_misalign_deg",
-            d.disturbance.thrust_misalign_deg,
-            BeFinite,
-        ),
-        (
-            "disturbance",
-            "cg_offset",
-            d.disturbance.cg_offset_m,
-            BeFinite,
-        ),
-        (
-            "disturbance",
-            "gust_step_mps",
-            d.disturbance.gust_step_mps,
-            BeFinite,
-        ),
-        (
-            "limits",
-            "q_alpha_Pa_deg",
-            d.limits.q_alpha_padeg,
-            BePositive,
-        ),
-        (
-            "pitch_programme",
-            "theta0_deg",
-            d.pitch_programme.theta0_deg,
-            BeFinite,
-        ),
+        ("disturbance", "thrust_misalign_deg", d.disturbance.thrust_misalign_deg, BeFinite),
+        ("disturbance", "cg_offset", d.disturbance.cg_offset_m, BeFinite),
+        ("disturbance", "gust_step_mps", d.disturbance.gust_step_mps, BeFinite),
+        ("limits", "q_alpha_Pa_deg", d.limits.q_alpha_padeg, BePositive),
+        ("pitch_programme", "theta0_deg", d.pitch_programme.theta0_deg, BeFinite),
         ("wind", "h_ref", d.wind.reference_altitude_m, BeFinite),
         ("wind", "shear_a", d.wind.shear_a, NotBeNegative),
         ("wind", "gust_mps", d.wind.gust_mps, NotBeNegative),
@@ -243,87 +186,32 @@ fn scalars(check: &mut Checker<'_>, d: &VehicleData) {
         ("wind", "cross_frac", d.wind.cross_fraction, BeFinite),
         ("gains", "K_phi", d.gains.roll_gain, NotBeNegative),
         ("gains", "T_phi", d.gains.roll_lead_s, NotBeNegative),
-        (
-            "gains",
-            "decoupled_yaw_KT",
-            d.gains.decoupled_yaw_gain_factor,
-            NotBeNegative,
-        ),
-        (
-            "gains",
-            "decoupled_yaw_TT",
-            d.gains.decoupled_yaw_lead_s,
-            NotBeNegative,
-        ),
-        (
-            "long_period_case",
-            "wind_sign",
-            d.long_period_case.wind_sign,
-            BeFinite,
-        ),
-        (
-            "long_period_case",
-            "misalign_pitch",
-            d.long_period_case.misalign_pitch,
-            BeFinite,
-        ),
-        (
-            "long_period_case",
-            "misalign_yaw",
-            d.long_period_case.misalign_yaw,
-            BeFinite,
-        ),
+        ("gains", "decoupled_yaw_KT", d.gains.decoupled_yaw_gain_factor, NotBeNegative),
+        ("gains", "decoupled_yaw_TT", d.gains.decoupled_yaw_lead_s, NotBeNegative),
+        ("long_period_case", "wind_sign", d.long_period_case.wind_sign, BeFinite),
+        ("long_period_case", "misalign_pitch", d.long_period_case.misalign_pitch, BeFinite),
+        ("long_period_case", "misalign_yaw", d.long_period_case.misalign_yaw, BeFinite),
         (
             "long_period_case",
             "accept_dV_frac",
             d.long_period_case.accept_speed_fraction,
             BePositive,
         ),
-        (
-            "long_period_case",
-            "accept_dgam_deg",
-            d.long_period_case.accept_dgam_deg,
-            BePositive,
-        ),
+        ("long_period_case", "accept_dgam_deg", d.long_period_case.accept_dgam_deg, BePositive),
         (
             "long_period_case",
             "accept_dh_frac",
             d.long_period_case.accept_altitude_fraction,
             BePositive,
         ),
-        (
-            "long_period_case",
-            "accept_drange_km",
-            d.long_period_case.accept_drange_km,
-            BePositive,
-        ),
+        ("long_period_case", "accept_drange_km", d.long_period_case.accept_drange_km, BePositive),
         ("windstat", "mean_frac", d.windstat.mean_fraction, BeFinite),
-        (
-            "windstat",
-            "sigma_frac",
-            d.windstat.sigma_fraction,
-            NotBeNegative,
-        ),
+        ("windstat", "sigma_frac", d.windstat.sigma_fraction, NotBeNegative),
         ("windstat", "L_large", d.windstat.large_length_m, BePositive),
-        (
-            "windstat",
-            "sigma_small",
-            d.windstat.small_sigma_mps,
-            NotBeNegative,
-        ),
+        ("windstat", "sigma_small", d.windstat.small_sigma_mps, NotBeNegative),
         ("windstat", "L_small", d.windstat.small_length_m, BePositive),
-        (
-            "windstat",
-            "dryden_L",
-            d.windstat.dryden_length_m,
-            BePositive,
-        ),
-        (
-            "windstat",
-            "dryden_sigma",
-            d.windstat.dryden_sigma_mps,
-            NotBeNegative,
-        ),
+        ("windstat", "dryden_L", d.windstat.dryden_length_m, BePositive),
+        ("windstat", "dryden_sigma", d.windstat.dryden_sigma_mps, NotBeNegative),
     ];
     for (section, key, value, must) in rules {
         check.number(section, key, value, must);
@@ -338,13 +226,7 @@ fn tables(check: &mut Checker<'_>, d: &VehicleData) {
     check.numbers("mass", "stage_gross", &d.mass.stage_gross_kg, BePositive);
 
     check.abscissae("thrust", "t", &d.thrust.time_s, 2);
-    check.ordinates(
-        "thrust",
-        "F",
-        &d.thrust.vacuum_thrust_n,
-        d.thrust.time_s.len(),
-        NotBeNegative,
-    );
+    check.ordinates("thrust", "F", &d.thrust.vacuum_thrust_n, d.thrust.time_s.len(), NotBeNegative);
     if d.thrust.vacuum_thrust_n.iter().sum::<f64>() <= 0.0 {
         check.fault(
             "thrust",
@@ -358,13 +240,7 @@ fn tables(check: &mut Checker<'_>, d: &VehicleData) {
         && (first > 0.0 || last < d.mass.burn_time_s)
     {
         let fault = format!("covers {first} s to {last} s only");
-        check.fault(
-            "thrust",
-            "t",
-            None,
-            fault,
-            "cover lift-off (0 s) to mass.burn_time",
-        );
+        check.fault("thrust", "t", None, fault, "cover lift-off (0 s) to mass.burn_time");
     }
 
     check.abscissae("aero", "mach", &d.aero.mach, 2);
@@ -378,40 +254,16 @@ fn tables(check: &mut Checker<'_>, d: &VehicleData) {
     check.abscissae("bending", "t", &d.bending.time_s, 2);
     let n = d.bending.time_s.len();
     check.ordinates("bending", "freq_hz", &d.bending.freq_hz, n, BePositive);
-    check.ordinates(
-        "bending",
-        "M_gen",
-        &d.bending.generalised_mass_kg,
-        n,
-        BePositive,
-    );
-    check.abscissae(
-        "bending",
-        "lam_gyro_alt_x",
-        &d.bending.alternative_gyro_x_m,
-        2,
-    );
+    check.ordinates("bending", "M_gen", &d.bending.generalised_mass_kg, n, BePositive);
+    check.abscissae("bending", "lam_gyro_alt_x", &d.bending.alternative_gyro_x_m, 2);
     let n = d.bending.alternative_gyro_x_m.len();
-    check.ordinates(
-        "bending",
-        "lam_gyro_alt",
-        &d.bending.alternative_gyro_slope_pm,
-        n,
-        BeFinite,
-    );
+    check.ordinates("bending", "lam_gyro_alt", &d.bending.alternative_gyro_slope_pm, n, BeFinite);
 
-    check.abscissae(
-        "pitch_programme",
-        "t_nodes",
-        &d.pitch_programme.node_time_s,
-        2,
-    );
+    check.abscissae("pitch_programme", "t_nodes", &d.pitch_programme.node_time_s, 2);
     let segments = d.pitch_programme.node_time_s.len().saturating_sub(1);
     if d.pitch_programme.rate_dps.len() != segments {
-        let fault = format!(
-            "has {} entries where {segments} are needed",
-            d.pitch_programme.rate_dps.len()
-        );
+        let fault =
+            format!("has {} entries where {segments} are needed", d.pitch_programme.rate_dps.len());
         check.fault(
             "pitch_programme",
             "rate_dps",
@@ -420,22 +272,11 @@ fn tables(check: &mut Checker<'_>, d: &VehicleData) {
             "give one rate for each interval between nodes",
         );
     }
-    check.numbers(
-        "pitch_programme",
-        "rate_dps",
-        &d.pitch_programme.rate_dps,
-        BeFinite,
-    );
+    check.numbers("pitch_programme", "rate_dps", &d.pitch_programme.rate_dps, BeFinite);
 
     check.abscissae("wind", "env_h", &d.wind.envelope_altitude_m, 2);
     let n = d.wind.envelope_altitude_m.len();
-    check.ordinates(
-        "wind",
-        "env_w",
-        &d.wind.envelope_speed_mps,
-        n,
-        NotBeNegative,
-    );
+    check.ordinates("wind", "env_w", &d.wind.envelope_speed_mps, n, NotBeNegative);
 
     if let Some(derived) = &d.derived {
         check.abscissae("derived", "t", &derived.time_s, 2);
@@ -444,22 +285,14 @@ fn tables(check: &mut Checker<'_>, d: &VehicleData) {
         check.ordinates("derived", "xcg", &derived.cg_x_m, n, BeFinite);
         check.ordinates("derived", "Iyy", &derived.pitch_inertia_kgm2, n, BePositive);
         check.ordinates("derived", "Ixx", &derived.roll_inertia_kgm2, n, BePositive);
-        check.ordinates(
-            "derived",
-            "F_vac",
-            &derived.vacuum_thrust_n,
-            n,
-            NotBeNegative,
-        );
+        check.ordinates("derived", "F_vac", &derived.vacuum_thrust_n, n, NotBeNegative);
         check.ordinates("derived", "mdot", &derived.mass_flow_kgps, n, NotBeNegative);
     }
 }
 
 fn schedules(check: &mut Checker<'_>, d: &VehicleData) {
-    for (section, schedule) in [
-        ("gains", &d.gains.schedule()),
-        ("gains_reduced", &d.gains_reduced),
-    ] {
+    for (section, schedule) in [("gains", &d.gains.schedule()), ("gains_reduced", &d.gains_reduced)]
+    {
         schedule_faults(check, section, schedule);
     }
 }
@@ -468,13 +301,7 @@ fn schedule_faults(check: &mut Checker<'_>, section: &str, s: &ScheduleData) {
     check.abscissae(section, "t_sw", &s.switch_time_s, 1);
     if s.switch_time_s.first().is_some_and(|&t| t != 0.0) {
         let fault = format!("starts at {} s", s.switch_time_s[0]);
-        check.fault(
-            section,
-            "t_sw",
-            Some(0),
-            fault,
-            "the first switch time must be 0",
-        );
+        check.fault(section, "t_sw", Some(0), fault, "the first switch time must be 0");
     }
     let n = s.switch_time_s.len();
     for (key, values) in [

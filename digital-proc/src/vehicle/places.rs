@@ -12,12 +12,7 @@ pub(crate) struct Places<'t> {
 impl<'t> Places<'t> {
     /// Of a text that has already been read once without error.
     pub(crate) fn of(source: Source<'t>) -> Self {
-        Self {
-            source,
-            document: DeTable::parse(source.text)
-                .ok()
-                .map(toml::Spanned::into_inner),
-        }
+        Self { source, document: DeTable::parse(source.text).ok().map(toml::Spanned::into_inner) }
     }
 
     /// Place of `section.key`, or of its element `index`; of the section when

@@ -10,43 +10,16 @@ fn the_derived_table_is_reproduced_to_its_digits() {
     let derived = vehicle.data().derived.clone().unwrap();
     // Half a unit of the last printed digit of each column, plus rounding.
     let near = |what: &str, t: f64, got: f64, printed: f64, unit: f64| {
-        assert!(
-            (got - printed).abs() <= 0.501 * unit,
-            "{what} at {t} s: {got}, printed {printed}"
-        );
+        assert!((got - printed).abs() <= 0.501 * unit, "{what} at {t} s: {got}, printed {printed}");
     };
     for (i, &t) in derived.time_s.iter().enumerate() {
         let (mass, motor) = vehicle.mass_at(t);
         near("mass", t, mass.mass_kg, derived.mass_kg[i], 0.1);
         near("xcg", t, mass.cg_x_m, derived.cg_x_m[i], 1e-4);
-        near(
-            "Iyy",
-            t,
-            mass.pitch_inertia_kgm2,
-            derived.pitch_inertia_kgm2[i],
-            1.0,
-        );
-        near(
-            "Ixx",
-            t,
-            mass.roll_inertia_kgm2,
-            derived.roll_inertia_kgm2[i],
-            0.1,
-        );
-        near(
-            "F_vac",
-            t,
-            motor.vacuum_thrust_n,
-            derived.vacuum_thrust_n[i],
-            1.0,
-        );
-        near(
-            "mdot",
-            t,
-            motor.mass_flow_kgps,
-            derived.mass_flow_kgps[i],
-            1e-3,
-        );
+        near("Iyy", t, mass.pitch_inertia_kgm2, derived.pitch_inertia_kgm2[i], 1.0);
+        near("Ixx", t, mass.roll_inertia_kgm2, derived.roll_inertia_kgm2[i], 0.1);
+        near("F_vac", t, motor.vacuum_thrust_n, derived.vacuum_thrust_n[i], 1.0);
+        near("mdot", t, motor.mass_flow_kgps, derived.mass_flow_kgps[i], 1e-3);
     }
     // The factor is printed with six digits.
     assert!((vehicle.motor().scale() - 0.996_964).abs() <= 0.5e-6);
@@ -82,45 +55,26 @@ fn faults_of(text: &str) -> Vec<FileFault> {
 }
 
 fn line_of(needle: &str) -> usize {
-    SHIPPED_TEXT
-        .lines()
-        .position(|line| line.starts_with(needle))
-        .unwrap()
-        + 1
+    SHIPPED_TEXT.lines().position(|line| line.starts_with(needle)).unwrap() + 1
 }
 
 #[test]
 fn every_semantic_fault_is_reported_with_its_line() {
     let text = SHIPPED_TEXT
         .replace("m0            = 17610.0", "m0            = -17610.0")
-        .replace(
-            "env_h   = [0.0, 2.0e3, 4.0e3",
-            "env_h   = [0.0, 2.0e3, 2.0e3",
-        )
+        .replace("env_h   = [0.0, 2.0e3, 4.0e3", "env_h   = [0.0, 2.0e3, 2.0e3")
         .replace("tau        = 0.05", "tau        = nan")
         .replace("K_F   = [0.0,    8.0,  12.0]", "K_F   = [0.0,    8.0]");
     let faults = faults_of(&text);
     let place_of = |key: &str| {
-        let fault = faults
-            .iter()
-            .find(|f| f.fault.starts_with(&format!("{key}: ")));
-        fault
-            .unwrap_or_else(|| panic!("no fault at {key}: {faults:#?}"))
-            .place
-            .unwrap()
+        let fault = faults.iter().find(|f| f.fault.starts_with(&format!("{key}: ")));
+        fault.unwrap_or_else(|| panic!("no fault at {key}: {faults:#?}")).place.unwrap()
     };
     assert_eq!(place_of("mass.m0").0, line_of("m0 "));
     assert_eq!(place_of("wind.env_h[2]").0, line_of("env_h"));
     assert_eq!(place_of("ftc.tau").0, line_of("tau        = 0.05"));
-    assert_eq!(
-        place_of("gains_reduced.K_F").0,
-        line_of("K_F   = [0.0,    8.0,")
-    );
-    assert!(
-        faults
-            .iter()
-            .all(|f| f.file == "user.toml" && !f.remedy.is_empty())
-    );
+    assert_eq!(place_of("gains_reduced.K_F").0, line_of("K_F   = [0.0,    8.0,"));
+    assert!(faults.iter().all(|f| f.file == "user.toml" && !f.remedy.is_empty()));
     // The launch mass no longer closes either: five faults, in one run.
     assert_eq!(faults.len(), 5, "{faults:#?}");
 }
@@ -150,11 +104,7 @@ fn missing_keys_wrong_types_and_syntax_are_refused_with_a_line() {
 #[test]
 fn an_unreadable_file_is_named() {
     let error = Vehicle::load(Path::new("/nonexistent/vehicle.toml")).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .starts_with("/nonexistent/vehicle.toml: cannot be read")
-    );
+    assert!(error.to_string().starts_with("/nonexistent/vehicle.toml: cannot be read"));
 }
 
 #[test]

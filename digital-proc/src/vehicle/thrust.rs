@@ -49,10 +49,7 @@ pub struct NetThrust {
 
 impl Motor {
     pub(crate) fn new(data: &VehicleData) -> Result<Self, TableError> {
-        let shape = Table::new(
-            data.thrust.time_s.clone(),
-            data.thrust.vacuum_thrust_n.clone(),
-        )?;
+        let shape = Table::new(data.thrust.time_s.clone(), data.thrust.vacuum_thrust_n.clone())?;
         let exhaust_speed_mps = data.thrust.specific_impulse_s * STANDARD_GRAVITY_MPS2;
         let cumulative = cumulative_integral(&shape);
         let impulse_ns = cumulative.last().copied().unwrap_or(0.0);
@@ -100,10 +97,7 @@ impl Motor {
     /// Thrust against an ambient pressure.
     pub fn net_thrust(&self, vacuum_thrust_n: f64, pressure_pa: f64) -> NetThrust {
         let net_n = vacuum_thrust_n - self.exit_area_m2 * pressure_pa;
-        NetThrust {
-            thrust_n: net_n.max(0.0),
-            nozzle_unfilled: net_n < 0.0,
-        }
+        NetThrust { thrust_n: net_n.max(0.0), nozzle_unfilled: net_n < 0.0 }
     }
 }
 

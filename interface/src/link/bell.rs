@@ -198,10 +198,7 @@ impl Bell {
 
     /// Whether the partner has closed its end.
     pub(super) fn partner_closed(&self) -> bool {
-        self.door(self.side.partner())
-            .closed
-            .load(Ordering::Acquire)
-            != 0
+        self.door(self.side.partner()).closed.load(Ordering::Acquire) != 0
     }
 
     /// Asked once a wait: whether it is to sleep at once instead of yielding.

@@ -71,13 +71,7 @@ impl<W> AnalogEnd<W> {
     }
 
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> AnalogEnd<W> {
-        AnalogEnd {
-            wire,
-            protocol,
-            patience: patience.clone(),
-            early: None,
-            looked: None,
-        }
+        AnalogEnd { wire, protocol, patience: patience.clone(), early: None, looked: None }
     }
 
     /// What the protocol knows of the session.
@@ -92,11 +86,7 @@ impl<W> DigitalEnd<W> {
     }
 
     pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> DigitalEnd<W> {
-        DigitalEnd {
-            wire,
-            protocol,
-            patience: patience.clone(),
-        }
+        DigitalEnd { wire, protocol, patience: patience.clone() }
     }
 
     /// What the protocol knows of the session.
@@ -109,13 +99,7 @@ impl<W: AnalogWire> AnalogEnd<W> {
     /// Waits for the partner's greeting and answers it.
     pub(super) fn greet(&mut self) -> Result<(), LinkFault> {
         let limit = self.patience.arrival.map_or(Limit::Unlimited, Limit::After);
-        let request = wait(
-            &self.patience,
-            &mut self.wire,
-            limit,
-            0,
-            AnalogWire::take_request,
-        )?;
+        let request = wait(&self.patience, &mut self.wire, limit, 0, AnalogWire::take_request)?;
         if let Err(error) = self.protocol.request(&request) {
             // The other side is told why before this one gives up.
             self.wire.put_reply(&Reply::Refused(error.to_string()))?;
@@ -126,13 +110,9 @@ impl<W: AnalogWire> AnalogEnd<W> {
     }
 
     fn flush(&mut self) -> Result<(), LinkFault> {
-        wait(
-            &self.patience,
-            &mut self.wire,
-            Limit::Silence,
-            self.protocol.frame(),
-            |wire| Ok(wire.reply_gone()?.then_some(())),
-        )
+        wait(&self.patience, &mut self.wire, Limit::Silence, self.protocol.frame(), |wire| {
+            Ok(wire.reply_gone()?.then_some(()))
+        })
     }
 
     fn admit(&mut self, updates: &Updates, frame: u64) -> Result<(), LinkFault> {
@@ -185,11 +165,7 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
         };
         if !came {
             let gone = self.wire.gone();
-            return if gone {
-                Err(died(&self.wire, frame))
-            } else {
-                Ok(None)
-            };
+            return if gone { Err(died(&self.wire, frame)) } else { Ok(None) };
         }
         if updates.frame > frame && self.protocol.may_skip() {
             self.early = Some(updates);
@@ -257,13 +233,7 @@ impl<W: DigitalWire> DigitalEnd<W> {
         let mut stray = Samples::new(0, Tick::ZERO, RunState::Operate);
         while self.wire.take_samples(&mut stray)? {}
         self.wire.put_request(request)?;
-        let reply = wait(
-            &self.patience,
-            &mut self.wire,
-            limit,
-            frame,
-            DigitalWire::take_reply,
-        )?;
+        let reply = wait(&self.patience, &mut self.wire, limit, frame, DigitalWire::take_reply)?;
         self.protocol.reply(&reply).map_err(|e| e.at(frame))?;
         Ok(reply)
     }
@@ -273,13 +243,9 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
     fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault> {
         let mut samples = Samples::new(frame, Tick::ZERO, RunState::Operate);
         loop {
-            wait(
-                &self.patience,
-                &mut self.wire,
-                frame_limit(&self.protocol),
-                frame,
-                |wire| Ok(wire.take_samples(&mut samples)?.then_some(())),
-            )?;
+            wait(&self.patience, &mut self.wire, frame_limit(&self.protocol), frame, |wire| {
+                Ok(wire.take_samples(&mut samples)?.then_some(()))
+            })?;
             if samples.frame != frame && !self.protocol.may_skip() {
                 let error = protocol::ProtocolError::FrameNumber {
                     message: "samples",
@@ -288,9 +254,7 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
                 };
                 return Err(error.at(frame));
             }
-            self.protocol
-                .samples(samples.frame, samples.run_state())
-                .map_err(|e| e.at(frame))?;
+            self.protocol.samples(samples.frame, samples.run_state()).map_err(|e| e.at(frame))?;
             if samples.frame >= frame || !self.protocol.operating() {
                 return Ok(samples);
             }
@@ -311,21 +275,13 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
 
 /// How a frame is waited for: on the wall clock it must not be noticed late.
 fn frame_limit(protocol: &Protocol) -> Limit {
-    if protocol.may_skip() {
-        Limit::Prompt
-    } else {
-        Limit::Silence
-    }
+    if protocol.may_skip() { Limit::Prompt } else { Limit::Silence }
 }
 
 /// The partner's death, as this end tells it.
 pub(super) fn died(watch: &impl Watch, frame: u64) -> LinkFault {
     let side: Side = watch.side();
-    LinkFault::PartnerDied {
-        side: side.name(),
-        frame,
-        detail: watch.epitaph(),
-    }
+    LinkFault::PartnerDied { side: side.name(), frame, detail: watch.epitaph() }
 }
 
 #[cfg(test)]
@@ -360,13 +316,7 @@ mod tests {
             (protocol::VERSION, ours ^ 1, "frame layout"),
         ] {
             let (mut analog, mut digital) = strangers();
-            digital
-                .wire
-                .put_request(&Request::Hello {
-                    version,
-                    layout_hash,
-                })
-                .unwrap();
+            digital.wire.put_request(&Request::Hello { version, layout_hash }).unwrap();
             let fault = analog.greet().unwrap_err();
             assert!(matches!(fault, LinkFault::Protocol { .. }));
             assert!(fault.to_string().contains(word), "{fault}");

@@ -96,11 +96,7 @@ impl Presence {
     /// The presences of the analog and of the digital end.
     fn pair() -> (Presence, Presence) {
         let (analog, digital) = Bell::pair();
-        let end = |partner, bell| Presence {
-            partner,
-            bell,
-            started: Instant::now(),
-        };
+        let end = |partner, bell| Presence { partner, bell, started: Instant::now() };
         (end(Side::Digital, analog), end(Side::Analog, digital))
     }
 }
@@ -198,11 +194,7 @@ impl AnalogWire for AnalogQueues {
     }
 
     fn take_updates(&mut self, into: &mut Updates) -> Result<bool, LinkFault> {
-        Ok(self
-            .updates
-            .try_recv()
-            .map(|updates| *into = updates)
-            .is_ok())
+        Ok(self.updates.try_recv().map(|updates| *into = updates).is_ok())
     }
 
     fn take_request(&mut self) -> Result<Option<Request>, LinkFault> {
@@ -220,11 +212,7 @@ impl AnalogWire for AnalogQueues {
 
 impl DigitalWire for DigitalQueues {
     fn take_samples(&mut self, into: &mut Samples) -> Result<bool, LinkFault> {
-        Ok(self
-            .samples
-            .try_recv()
-            .map(|samples| *into = samples)
-            .is_ok())
+        Ok(self.samples.try_recv().map(|samples| *into = samples).is_ok())
     }
 
     fn put_updates(&mut self, updates: &Updates, lossy: bool) -> Result<(), LinkFault> {

@@ -82,10 +82,7 @@ impl Patience {
     /// Default limits with the caller's interrupt flag.
     #[must_use]
     pub fn interrupted_by(flag: Arc<AtomicBool>) -> Patience {
-        Patience {
-            interrupted: flag,
-            ..Patience::default()
-        }
+        Patience { interrupted: flag, ..Patience::default() }
     }
 
     /// Fails when the user interrupted this process.
@@ -208,10 +205,7 @@ pub(super) fn wait<W: Watch, T>(
             });
         }
         if limit != Limit::Unlimited && stopped.is_some_and(|s| s.elapsed() > STOPPED) {
-            return Err(LinkFault::Stopped {
-                side: watch.side().name(),
-                frame,
-            });
+            return Err(LinkFault::Stopped { side: watch.side().name(), frame });
         }
         let over = match limit {
             Limit::Unlimited => false,
@@ -242,10 +236,7 @@ struct Window {
 
 impl Window {
     fn new(watch: &impl Watch) -> Window {
-        Window {
-            start: Instant::now(),
-            cpu: watch.cpu_time(),
-        }
+        Window { start: Instant::now(), cpu: watch.cpu_time() }
     }
 
     /// Starts a new window when the partner computed during this one.

@@ -266,11 +266,7 @@ impl Profile {
                     class => need(&class),
                 };
                 let available = self.available(class)?;
-                (needed > available).then_some(Shortfall {
-                    class,
-                    needed,
-                    available,
-                })
+                (needed > available).then_some(Shortfall { class, needed, available })
             })
             .collect()
     }
@@ -278,17 +274,13 @@ impl Profile {
     /// Overload level in machine units.
     #[must_use]
     pub fn overload_level(&self) -> f64 {
-        self.overload_level
-            .as_ref()
-            .map_or(DEFAULT_OVERLOAD_LEVEL, |level| level.value)
+        self.overload_level.as_ref().map_or(DEFAULT_OVERLOAD_LEVEL, |level| level.value)
     }
 
     /// Component error as a fraction; zero when off.
     #[must_use]
     pub fn component_error(&self) -> f64 {
-        self.component_error
-            .as_ref()
-            .map_or(0.0, |error| error.value)
+        self.component_error.as_ref().map_or(0.0, |error| error.value)
     }
 
     /// The ADC of a channel whose full scale is the block's `max`, problem units.
@@ -353,10 +345,7 @@ impl Profile {
     /// Reconstruction between transfers.
     #[must_use]
     pub fn hold(&self) -> HoldKind {
-        self.dac
-            .hold
-            .as_ref()
-            .map_or(HoldKind::ZeroOrder, |h| h.value)
+        self.dac.hold.as_ref().map_or(HoldKind::ZeroOrder, |h| h.value)
     }
 
     /// Settling of the DACs.
@@ -384,9 +373,7 @@ fn duration(tick: Option<&Sourced<Tick>>) -> Tick {
 fn built_in(name: &str) -> Option<&'static str> {
     match name {
         "ideal" => Some(include_str!("../../../patch-files/machines/ideal.toml")),
-        "paper-class" => Some(include_str!(
-            "../../../patch-files/machines/paper-class.toml"
-        )),
+        "paper-class" => Some(include_str!("../../../patch-files/machines/paper-class.toml")),
         "ad4" => Some(include_str!("../../../patch-files/machines/ad4.toml")),
         _ => None,
     }

@@ -17,10 +17,7 @@ fn the_ad4_has_its_counts() {
     assert_eq!(ad4.available(BlockClass::Dac), Some(20));
     assert_eq!(ad4.available(BlockClass::Comparator), None);
     assert_eq!(ad4.reference_v.as_ref().unwrap().value, 100.0);
-    assert_eq!(
-        ad4.adc.conversion.as_ref().unwrap().status,
-        Provenance::Memory
-    );
+    assert_eq!(ad4.adc.conversion.as_ref().unwrap().status, Provenance::Memory);
     let needed = BTreeMap::from([
         (BlockClass::Integrator, 61),
         (BlockClass::Multiplier, 16),
@@ -28,10 +25,7 @@ fn the_ad4_has_its_counts() {
         (BlockClass::Mdac, 11),
     ]);
     let shortfalls = ad4.shortfalls(&needed);
-    let table: Vec<_> = shortfalls
-        .iter()
-        .map(|s| (s.class.key(), s.needed, s.available))
-        .collect();
+    let table: Vec<_> = shortfalls.iter().map(|s| (s.class.key(), s.needed, s.available)).collect();
     // 10 plain and 11 multiplying DACs are 21 of 20.
     assert_eq!(table, [("integrators", 61, 60), ("dacs", 21, 20)]);
 }
@@ -43,22 +37,13 @@ fn the_stages_of_a_profile() {
     let adc = ad4.adc_converter(Some(100.0)).unwrap();
     assert_eq!(adc.lsb(), Some(100.0 / 8192.0));
     assert!(ad4.adc_converter(None).is_err());
-    assert_eq!(
-        Profile::ideal().adc_converter(None).unwrap(),
-        Converter::ideal()
-    );
+    assert_eq!(Profile::ideal().adc_converter(None).unwrap(), Converter::ideal());
     assert_eq!(Profile::ideal().overload_level(), DEFAULT_OVERLOAD_LEVEL);
     assert_eq!(Profile::ideal().total_latency(64), Tick::ZERO);
     let paper = Profile::load("paper-class").unwrap();
     assert_eq!(paper.total_latency(1), Tick(1_000_000));
-    assert_eq!(
-        paper.latency_within(1, Tick(2_000_000)),
-        (Tick(1_000_000), None)
-    );
-    assert_eq!(
-        paper.latency_within(1, Tick(300_000)),
-        (Tick(300_000), Some(Tick(1_000_000)))
-    );
+    assert_eq!(paper.latency_within(1, Tick(2_000_000)), (Tick(1_000_000), None));
+    assert_eq!(paper.latency_within(1, Tick(300_000)), (Tick(300_000), Some(Tick(1_000_000))));
 }
 
 #[test]

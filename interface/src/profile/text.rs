@@ -73,32 +73,19 @@ impl Profile {
     /// # Errors
     /// [`ProfileError`] with every fault found.
     pub fn parse(text: &str, file: &str) -> Result<Profile, ProfileError> {
-        let mut reader = Reader {
-            text,
-            faults: Vec::new(),
-        };
+        let mut reader = Reader { text, faults: Vec::new() };
         let (root, errors) = DeTable::parse_recoverable(text);
         for error in errors {
             let span = error.span().unwrap_or(0..0);
-            reader.fault(
-                span,
-                error.message().trim().replace('\n', ", "),
-                "correct the TOML",
-            );
+            reader.fault(span, error.message().trim().replace('\n', ", "), "correct the TOML");
         }
-        let profile = if reader.faults.is_empty() {
-            reader.profile(&root)
-        } else {
-            Profile::ideal()
-        };
+        let profile =
+            if reader.faults.is_empty() { reader.profile(&root) } else { Profile::ideal() };
         if reader.faults.is_empty() {
             return Ok(profile);
         }
         reader.faults.sort_by_key(|fault| fault.span.start);
-        Err(ProfileError {
-            file: file.to_owned(),
-            faults: reader.faults,
-        })
+        Err(ProfileError { file: file.to_owned(), faults: reader.faults })
     }
 }
 
@@ -133,12 +120,7 @@ impl Reader<'_> {
 
     fn profile(&mut self, root: &Spanned<DeTable<'_>>) -> Profile {
         let table = root.get_ref();
-        self.known(
-            table,
-            &[
-                "name", "note", "machine", "counts", "adc", "dac", "dcu", "timing",
-            ],
-        );
+        self.known(table, &["name", "note", "machine", "counts", "adc", "dac", "dcu", "timing"]);
         let mut profile = Profile::ideal();
         profile.name = match table.get("name") {
             Some(value) => self.string(value),
@@ -274,11 +256,7 @@ impl Reader<'_> {
                 "say where the number is from, or why it was assumed",
             );
         }
-        Some(Sourced {
-            value: value?,
-            status: status?,
-            source: source?.0,
-        })
+        Some(Sourced { value: value?, status: status?, source: source?.0 })
     }
 
     fn number(
@@ -291,9 +269,9 @@ impl Reader<'_> {
         self.sourced(table, key, |reader, value| {
             let number = match value.get_ref() {
                 DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
-                DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
-                    .ok()
-                    .map(|n| n as f64),
+                DeValue::Integer(integer) => {
+                    i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64)
+                }
                 _ => None,
             };
             let number = number.filter(|n| n.is_finite() && fits(*n));

@@ -66,10 +66,7 @@ impl ProtocolError {
     /// As a link fault at the given frame.
     #[must_use]
     pub fn at(self, frame: u64) -> LinkFault {
-        LinkFault::Protocol {
-            frame,
-            detail: self.to_string(),
-        }
+        LinkFault::Protocol { frame, detail: self.to_string() }
     }
 }
 

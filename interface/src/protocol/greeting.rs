@@ -70,19 +70,13 @@ pub fn layout_hash() -> u64 {
 /// The greeting of this build.
 #[must_use]
 pub fn hello() -> Request {
-    Request::Hello {
-        version: VERSION,
-        layout_hash: layout_hash(),
-    }
+    Request::Hello { version: VERSION, layout_hash: layout_hash() }
 }
 
 /// This build's answer to [`hello`].
 #[must_use]
 pub fn hello_reply() -> Reply {
-    Reply::Hello {
-        version: VERSION,
-        layout_hash: layout_hash(),
-    }
+    Reply::Hello { version: VERSION, layout_hash: layout_hash() }
 }
 
 /// Compares the partner's greeting with this build's.
@@ -92,15 +86,9 @@ pub fn hello_reply() -> Reply {
 pub fn check_hello(version: u32, layout: u64) -> Result<(), ProtocolError> {
     let ours = layout_hash();
     if version != VERSION {
-        Err(ProtocolError::Version {
-            ours: VERSION,
-            theirs: version,
-        })
+        Err(ProtocolError::Version { ours: VERSION, theirs: version })
     } else if layout != ours {
-        Err(ProtocolError::Layout {
-            ours,
-            theirs: layout,
-        })
+        Err(ProtocolError::Layout { ours, theirs: layout })
     } else {
         Ok(())
     }

@@ -24,18 +24,9 @@ fn loaded() -> Protocol {
     let bundle = PatchBundle::default();
     let patch_hash = bundle.hash();
     protocol
-        .request(&Request::Load {
-            bundle,
-            params: vec![],
-            profile: Profile::default(),
-        })
+        .request(&Request::Load { bundle, params: vec![], profile: Profile::default() })
         .unwrap();
-    protocol
-        .reply(&Reply::Loaded {
-            patch_hash,
-            channels: vec![],
-        })
-        .unwrap();
+    protocol.reply(&Reply::Loaded { patch_hash, channels: vec![] }).unwrap();
     protocol
 }
 
@@ -59,18 +50,11 @@ fn a_whole_session_in_order() {
     protocol.samples(4, RunState::Ended).unwrap();
     assert!(!protocol.operating());
     // Rep-op: the next run starts at frame 0 again.
-    protocol
-        .request(&Request::Operate(spec(Clock::LockStep)))
-        .unwrap();
+    protocol.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
     protocol.reply(&Reply::Done).unwrap();
     protocol.samples(0, RunState::Faulted).unwrap();
     protocol.request(&Request::Diagnose).unwrap();
-    protocol
-        .reply(&Reply::Diagnosis {
-            fault: None,
-            overloads: vec![],
-        })
-        .unwrap();
+    protocol.reply(&Reply::Diagnosis { fault: None, overloads: vec![] }).unwrap();
     protocol.request(&Request::Bye).unwrap();
     protocol.reply(&Reply::Done).unwrap();
     assert!(protocol.closed());
@@ -79,30 +63,17 @@ fn a_whole_session_in_order() {
 
 #[test]
 fn another_build_is_refused() {
-    let greeting = |version, layout_hash| {
-        Protocol::new().request(&Request::Hello {
-            version,
-            layout_hash,
-        })
-    };
+    let greeting =
+        |version, layout_hash| Protocol::new().request(&Request::Hello { version, layout_hash });
     assert_eq!(
         greeting(VERSION + 1, layout_hash()),
-        Err(ProtocolError::Version {
-            ours: VERSION,
-            theirs: VERSION + 1
-        })
+        Err(ProtocolError::Version { ours: VERSION, theirs: VERSION + 1 })
     );
-    assert!(matches!(
-        greeting(VERSION, layout_hash() ^ 1),
-        Err(ProtocolError::Layout { .. })
-    ));
+    assert!(matches!(greeting(VERSION, layout_hash() ^ 1), Err(ProtocolError::Layout { .. })));
     let mut protocol = Protocol::new();
     protocol.request(&hello()).unwrap();
     assert!(matches!(
-        protocol.reply(&Reply::Hello {
-            version: 0,
-            layout_hash: layout_hash()
-        }),
+        protocol.reply(&Reply::Hello { version: 0, layout_hash: layout_hash() }),
         Err(ProtocolError::Version { theirs: 0, .. })
     ));
 }
@@ -130,10 +101,7 @@ fn an_altered_patch_is_noticed() {
         })
         .unwrap();
     assert!(matches!(
-        protocol.reply(&Reply::Loaded {
-            patch_hash: "0".into(),
-            channels: vec![]
-        }),
+        protocol.reply(&Reply::Loaded { patch_hash: "0".into(), channels: vec![] }),
         Err(ProtocolError::PatchHash { .. })
     ));
 }
@@ -143,15 +111,10 @@ fn replies_match_their_requests() {
     let mut protocol = loaded();
     protocol.request(&Request::Read(vec!["x".into()])).unwrap();
     assert!(protocol.request(&Request::StaticCheck).is_err());
-    assert!(matches!(
-        protocol.clone().reply(&Reply::Done),
-        Err(ProtocolError::ReplyKind { .. })
-    ));
+    assert!(matches!(protocol.clone().reply(&Reply::Done), Err(ProtocolError::ReplyKind { .. })));
     assert!(protocol.clone().reply(&Reply::Values(vec![])).is_err());
     protocol.reply(&Reply::Values(vec![1.0])).unwrap();
-    protocol
-        .request(&Request::SetParams(vec![("nil".into(), 0.0)]))
-        .unwrap();
+    protocol.request(&Request::SetParams(vec![("nil".into(), 0.0)])).unwrap();
     protocol.reply(&Reply::Refused("no such".into())).unwrap();
     protocol.request(&Request::StaticCheck).unwrap();
 }
@@ -159,9 +122,7 @@ fn replies_match_their_requests() {
 #[test]
 fn operate_needs_a_patch() {
     let mut protocol = Protocol::greeted();
-    protocol
-        .request(&Request::Operate(spec(Clock::LockStep)))
-        .unwrap();
+    protocol.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
     assert!(protocol.clone().reply(&Reply::Done).is_err());
     protocol.reply(&Reply::Refused("no patch".into())).unwrap();
 }
@@ -175,21 +136,13 @@ fn lock_step_loses_no_frame() {
     assert!(protocol.clone().request(&Request::Bye).is_err());
     assert_eq!(
         protocol.clone().updates(1),
-        Err(ProtocolError::FrameNumber {
-            message: "updates",
-            expected: 0,
-            found: 1
-        })
+        Err(ProtocolError::FrameNumber { message: "updates", expected: 0, found: 1 })
     );
     protocol.updates(0).unwrap();
     assert!(protocol.clone().updates(0).is_err());
     assert_eq!(
         protocol.samples(2, RunState::Operate),
-        Err(ProtocolError::FrameNumber {
-            message: "samples",
-            expected: 1,
-            found: 2
-        })
+        Err(ProtocolError::FrameNumber { message: "samples", expected: 1, found: 2 })
     );
 }
 

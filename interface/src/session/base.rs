@@ -58,11 +58,7 @@ pub fn base_directory() -> PathBuf {
     {
         return runtime.join("hybrid-computer");
     }
-    let parent = if is_writable_tmpfs(SHARED_MEMORY) {
-        SHARED_MEMORY
-    } else {
-        "/tmp"
-    };
+    let parent = if is_writable_tmpfs(SHARED_MEMORY) { SHARED_MEMORY } else { "/tmp" };
     Path::new(parent).join(format!("hybrid-computer-{user}"))
 }
 
@@ -88,11 +84,7 @@ pub(super) fn check_path(path: &Path, name_length: usize) -> Result<(), SessionE
     } else {
         return Ok(());
     };
-    Err(SessionError::BasePath {
-        path,
-        reason,
-        limit,
-    })
+    Err(SessionError::BasePath { path, reason, limit })
 }
 
 /// The path as the transport will see it: absolute, and links resolved as far as it exists.
@@ -102,11 +94,7 @@ fn resolved(path: &Path) -> PathBuf {
         let rest = absolute.strip_prefix(ancestor).ok()?;
         let real = fs::canonicalize(ancestor).ok()?;
         // Joining nothing would append a slash.
-        Some(if rest.as_os_str().is_empty() {
-            real
-        } else {
-            real.join(rest)
-        })
+        Some(if rest.as_os_str().is_empty() { real } else { real.join(rest) })
     });
     real.unwrap_or(absolute)
 }
@@ -125,11 +113,7 @@ pub(super) fn check_room(path: &Path, needed_kib: u64) -> Result<(), SessionErro
     if space.f_blocks == 0 || found_kib >= needed_kib {
         return Ok(());
     }
-    Err(SessionError::NoRoom {
-        path: path.to_owned(),
-        needed_kib,
-        found_kib,
-    })
+    Err(SessionError::NoRoom { path: path.to_owned(), needed_kib, found_kib })
 }
 
 /// Exclusive hold of a base directory.
@@ -155,9 +139,7 @@ impl BaseLock {
                 return Ok(lock);
             }
         }
-        Err(SessionError::BaseBusy {
-            path: path.to_owned(),
-        })
+        Err(SessionError::BaseBusy { path: path.to_owned() })
     }
 
     /// Locks the base if there is one.
@@ -191,10 +173,7 @@ impl BaseLock {
                         _ => false,
                     };
                     if same {
-                        return Ok(Some(BaseLock {
-                            path,
-                            _descriptor: descriptor,
-                        }));
+                        return Ok(Some(BaseLock { path, _descriptor: descriptor }));
                     }
                 }
                 Err(Errno::WOULDBLOCK | Errno::INTR) => {
@@ -226,12 +205,7 @@ fn check_owner(path: &Path) -> Result<(), SessionError> {
     let Ok(meta) = fs::symlink_metadata(path) else {
         return Ok(());
     };
-    let refuse = |reason| {
-        Err(SessionError::ForeignBase {
-            path: path.to_owned(),
-            reason,
-        })
-    };
+    let refuse = |reason| Err(SessionError::ForeignBase { path: path.to_owned(), reason });
     if !meta.is_dir() {
         return refuse("it is not a directory");
     }

@@ -133,11 +133,7 @@ fn known_list(known: &[String]) -> String {
 
 impl SessionError {
     fn io(doing: &'static str, path: &Path, source: std::io::Error) -> SessionError {
-        SessionError::Io {
-            doing,
-            path: path.to_owned(),
-            source,
-        }
+        SessionError::Io { doing, path: path.to_owned(), source }
     }
 }
 
@@ -226,10 +222,7 @@ impl Session {
     /// As [`Session::join`].
     pub fn join_in(base: &Path, side: Side, name: &str) -> Result<Session, SessionError> {
         check_name(name)?;
-        let unknown = |known| SessionError::Unknown {
-            name: name.to_owned(),
-            known,
-        };
+        let unknown = |known| SessionError::Unknown { name: name.to_owned(), known };
         base::check_path(base, name.len())?;
         let Some(held) = BaseLock::existing(base)? else {
             return Err(unknown(Vec::new()));
@@ -239,10 +232,7 @@ impl Session {
             let known = infos(held.path()).into_iter().map(|i| i.name).collect();
             return Err(unknown(known));
         }
-        let deserted = SessionError::Deserted {
-            name: name.to_owned(),
-            side: side.partner(),
-        };
+        let deserted = SessionError::Deserted { name: name.to_owned(), side: side.partner() };
         if !is_held(&lock_path(&root, side.partner())) {
             if !is_held(&lock_path(&root, side)) {
                 remove_session(&root);
@@ -366,9 +356,7 @@ fn check_name(name: &str) -> Result<(), SessionError> {
     if fits && name.chars().all(plain) {
         Ok(())
     } else {
-        Err(SessionError::Name {
-            name: name.to_owned(),
-        })
+        Err(SessionError::Name { name: name.to_owned() })
     }
 }
 
@@ -377,9 +365,8 @@ const FRESH_LENGTH: usize = 14;
 
 /// A name that no session in the base has; the base is locked, so it stays free.
 fn fresh_name(base: &Path) -> String {
-    let nanos = SystemTime::now()
-        .duration_since(SystemTime::UNIX_EPOCH)
-        .map_or(0, |d| d.subsec_nanos());
+    let nanos =
+        SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.subsec_nanos());
     (0_u32..)
         .map(|n| format!("{}-{:06x}", std::process::id(), nanos.wrapping_add(n) >> 8))
         .find(|name| !root_of(base, name).exists())

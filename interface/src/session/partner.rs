@@ -35,12 +35,7 @@ impl Partner {
         let raw = i32::try_from(pid).map_err(|_| Errno::INVAL)?;
         let named = Pid::from_raw(raw).ok_or(Errno::INVAL)?;
         let pidfd = pidfd_open(named, PidfdFlags::empty())?;
-        Ok(Partner {
-            side,
-            pid,
-            pidfd,
-            lock,
-        })
+        Ok(Partner { side, pid, pidfd, lock })
     }
 
     /// Which processor it is.
@@ -103,12 +98,8 @@ impl Partner {
     pub fn cpu_time(&self) -> Option<Duration> {
         // Fields 14 and 15: user and system time.
         let fields = self.stat()?;
-        let ticks: u64 = fields
-            .split(' ')
-            .skip(11)
-            .take(2)
-            .map(|field| field.parse::<u64>().unwrap_or(0))
-            .sum();
+        let ticks: u64 =
+            fields.split(' ').skip(11).take(2).map(|field| field.parse::<u64>().unwrap_or(0)).sum();
         // Linux reports these in hundredths of a second on every architecture.
         Some(Duration::from_millis(ticks.saturating_mul(10)))
     }
@@ -117,9 +108,6 @@ impl Partner {
 /// Whether some process holds the lock on `path`.
 pub(super) fn is_held(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| {
-        matches!(
-            flock(&file, FlockOperation::NonBlockingLockShared),
-            Err(Errno::WOULDBLOCK)
-        )
+        matches!(flock(&file, FlockOperation::NonBlockingLockShared), Err(Errno::WOULDBLOCK))
     })
 }

@@ -117,10 +117,7 @@ fn take_lock(root: &Path, name: &str, side: Side) -> Result<File, SessionError> 
         flock(&file, FlockOperation::NonBlockingLockExclusive) != Err(Errno::WOULDBLOCK)
     });
     if !taken {
-        return Err(SessionError::Taken {
-            name: name.to_owned(),
-            side,
-        });
+        return Err(SessionError::Taken { name: name.to_owned(), side });
     }
     file.set_len(0)
         .and_then(|()| file.rewind())

@@ -105,9 +105,8 @@ pub(super) fn infos(base: &Path) -> Vec<SessionInfo> {
 pub(super) fn sweep(base: &Path) {
     for name in names(base) {
         let root = root_of(base, &name);
-        let alive = [Side::Analog, Side::Digital]
-            .into_iter()
-            .any(|side| is_held(&lock_path(&root, side)));
+        let alive =
+            [Side::Analog, Side::Digital].into_iter().any(|side| is_held(&lock_path(&root, side)));
         if !alive {
             remove_session(&root);
         }

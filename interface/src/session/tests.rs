@@ -14,11 +14,8 @@ fn the_last_side_to_leave_removes_everything() {
         let root = digital.root().to_owned();
         let leak = Path::new(SHARED_MEMORY).join(format!("{}leak", digital.prefix()));
         fs::write(&leak, "x").unwrap();
-        let (first, last) = if digital_leaves_first {
-            (digital, analog)
-        } else {
-            (analog, digital)
-        };
+        let (first, last) =
+            if digital_leaves_first { (digital, analog) } else { (analog, digital) };
         drop(first);
         assert!(root.exists() && leak.exists());
         assert!(last.partner().unwrap().is_none());
@@ -38,10 +35,7 @@ fn a_place_is_taken_once() {
     let _analog = Session::join_in(base.path(), Side::Analog, "one").unwrap();
     assert!(matches!(
         Session::join_in(base.path(), Side::Analog, "one"),
-        Err(SessionError::Taken {
-            side: Side::Analog,
-            ..
-        })
+        Err(SessionError::Taken { side: Side::Analog, .. })
     ));
 }
 
@@ -78,11 +72,7 @@ fn stale_and_half_made_sessions_are_swept() {
     fs::create_dir(root_of(&path, "half")).unwrap();
     let dead = root_of(&path, "dead");
     fs::create_dir(&dead).unwrap();
-    fs::write(
-        lock_path(&dead, Side::Digital),
-        std::process::id().to_string(),
-    )
-    .unwrap();
+    fs::write(lock_path(&dead, Side::Digital), std::process::id().to_string()).unwrap();
     let leak = |root: &Path| {
         let leak = Path::new(SHARED_MEMORY).join(format!("{}leak", make_prefix(root).unwrap()));
         fs::write(&leak, "x").unwrap();
@@ -93,10 +83,7 @@ fn stale_and_half_made_sessions_are_swept() {
     fs::create_dir(&foreign).unwrap();
     assert!(matches!(
         Session::join_in(&path, Side::Analog, "dead"),
-        Err(SessionError::Deserted {
-            side: Side::Digital,
-            ..
-        })
+        Err(SessionError::Deserted { side: Side::Digital, .. })
     ));
     assert!(!dead.exists() && !first.exists());
     fs::create_dir(&dead).unwrap();
@@ -156,11 +143,7 @@ fn a_base_path_is_used_up_to_its_limit_and_refused_beyond() {
         let room = length - dir.path().as_os_str().len() - 1;
         dir.path().join("x".repeat(room))
     };
-    for (name, limit) in [
-        (None, 77),
-        (Some("x".repeat(48)), 43),
-        (Some("a".into()), 90),
-    ] {
+    for (name, limit) in [(None, 77), (Some("x".repeat(48)), 43), (Some("a".into()), 90)] {
         let name = name.as_deref();
         let digital = Session::create_in(&inside(limit), Side::Digital, name).unwrap();
         drop(digital);

@@ -23,10 +23,7 @@ pub fn spec(clock: Clock) -> RunSpec {
 }
 
 pub fn patience() -> Patience {
-    Patience {
-        silence: Duration::from_secs(5),
-        ..Patience::default()
-    }
+    Patience { silence: Duration::from_secs(5), ..Patience::default() }
 }
 
 /// Runs one side in this thread and the other in a second one, over both links.
@@ -83,11 +80,7 @@ pub fn samples(n: u64, state: RunState) -> Samples {
     samples.sense = !n;
     samples.overloads = n as u32;
     samples.edge_count = 1;
-    samples.edges[0] = Edge {
-        tick: Tick(n as i64),
-        line: 3,
-        rising: 1,
-    };
+    samples.edges[0] = Edge { tick: Tick(n as i64), line: 3, rising: 1 };
     samples
 }
 
@@ -103,10 +96,8 @@ pub fn updates(samples: &Samples) -> Updates {
 }
 
 pub fn load(port: &mut (impl DigitalPort + ?Sized)) {
-    let bundle = PatchBundle {
-        root: "a.toml".into(),
-        files: vec![("a.toml".into(), "[blocks]".into())],
-    };
+    let bundle =
+        PatchBundle { root: "a.toml".into(), files: vec![("a.toml".into(), "[blocks]".into())] };
     let hash = bundle.hash();
     let reply = port
         .request(&Request::Load {
@@ -124,10 +115,9 @@ pub fn serve(port: &mut (impl AnalogPort + ?Sized)) -> Result<bool, LinkFault> {
         let request = port.await_request()?;
         let reply = match &request {
             Request::Hello { .. } => interface::protocol::hello_reply(),
-            Request::Load { bundle, .. } => Reply::Loaded {
-                patch_hash: bundle.hash(),
-                channels: vec![],
-            },
+            Request::Load { bundle, .. } => {
+                Reply::Loaded { patch_hash: bundle.hash(), channels: vec![] }
+            }
             Request::Read(nets) if nets == &["busy"] => {
                 // Computes for 1.5 s before it answers.
                 let start = Instant::now();
@@ -138,10 +128,9 @@ pub fn serve(port: &mut (impl AnalogPort + ?Sized)) -> Result<bool, LinkFault> {
             }
             Request::Read(nets) => Reply::Values(vec![f64::INFINITY; nets.len()]),
             Request::StaticCheck => Reply::StaticCheck(vec![]),
-            Request::Diagnose => Reply::Diagnosis {
-                fault: Some("x".repeat(1_000_000)),
-                overloads: vec![],
-            },
+            Request::Diagnose => {
+                Reply::Diagnosis { fault: Some("x".repeat(1_000_000)), overloads: vec![] }
+            }
             _ => Reply::Done,
         };
         port.reply(&reply)?;
@@ -165,15 +154,13 @@ fn frames_arrive_unchanged_and_in_order() {
                     port.send_samples(&sent).unwrap();
                     assert_eq!(port.await_updates(n).unwrap(), updates(&sent));
                 }
-                port.send_samples(&samples(FRAMES, RunState::Ended))
-                    .unwrap();
+                port.send_samples(&samples(FRAMES, RunState::Ended)).unwrap();
             }
         },
         |port| {
             load(port);
             for _ in 0..3 {
-                port.request(&Request::Operate(spec(Clock::LockStep)))
-                    .unwrap();
+                port.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
                 for n in 0..FRAMES {
                     let got = port.await_samples(n).unwrap();
                     assert_eq!(got, samples(n, RunState::Operate));
@@ -190,10 +177,7 @@ fn frames_arrive_unchanged_and_in_order() {
 #[test]
 fn long_messages_pass_both_ways() {
     // 3 MB: a dozen parts; the reply of 1 MB: four.
-    let long = PatchBundle {
-        root: "r".into(),
-        files: vec![("r".into(), "y".repeat(3_000_000))],
-    };
+    let long = PatchBundle { root: "r".into(), files: vec![("r".into(), "y".repeat(3_000_000))] };
     over_both_links(
         |port| assert!(!serve(port).unwrap()),
         |port| {
@@ -229,8 +213,7 @@ fn a_dropped_end_is_a_dead_partner() {
         },
         |port| {
             load(port);
-            port.request(&Request::Operate(spec(Clock::LockStep)))
-                .unwrap();
+            port.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
             for n in 0..3 {
                 let got = port.await_samples(n).unwrap();
                 port.send_updates(&updates(&got)).unwrap();
@@ -238,14 +221,7 @@ fn a_dropped_end_is_a_dead_partner() {
             let start = Instant::now();
             let fault = port.await_samples(3).unwrap_err();
             assert!(
-                matches!(
-                    fault,
-                    LinkFault::PartnerDied {
-                        side: "analog-proc",
-                        frame: 3,
-                        ..
-                    }
-                ),
+                matches!(fault, LinkFault::PartnerDied { side: "analog-proc", frame: 3, .. }),
                 "{fault}"
             );
             assert!(start.elapsed() < Duration::from_secs(1));
@@ -260,37 +236,22 @@ fn a_wrong_order_is_refused_by_either_end() {
             assert!(serve(port).unwrap());
             port.send_samples(&samples(0, RunState::Operate)).unwrap();
             // Updates of this frame are due first.
-            let fault = port
-                .send_samples(&samples(1, RunState::Operate))
-                .unwrap_err();
+            let fault = port.send_samples(&samples(1, RunState::Operate)).unwrap_err();
             assert!(matches!(fault, LinkFault::Protocol { frame: 1, .. }));
             port.await_updates(0).unwrap();
             port.send_samples(&samples(1, RunState::Operate)).unwrap();
-            assert!(matches!(
-                port.await_updates(1),
-                Err(LinkFault::PartnerDied { .. })
-            ));
+            assert!(matches!(port.await_updates(1), Err(LinkFault::PartnerDied { .. })));
         },
         |port| {
             load(port);
-            port.request(&Request::Operate(spec(Clock::LockStep)))
-                .unwrap();
+            port.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
             let got = port.await_samples(0).unwrap();
-            assert!(matches!(
-                port.request(&Request::StaticCheck),
-                Err(LinkFault::Protocol { .. })
-            ));
+            assert!(matches!(port.request(&Request::StaticCheck), Err(LinkFault::Protocol { .. })));
             let mut other = updates(&got);
             other.frame = 7;
-            assert!(matches!(
-                port.send_updates(&other),
-                Err(LinkFault::Protocol { frame: 7, .. })
-            ));
+            assert!(matches!(port.send_updates(&other), Err(LinkFault::Protocol { frame: 7, .. })));
             port.send_updates(&updates(&got)).unwrap();
-            assert!(matches!(
-                port.await_samples(2),
-                Err(LinkFault::Protocol { frame: 2, .. })
-            ));
+            assert!(matches!(port.await_samples(2), Err(LinkFault::Protocol { frame: 2, .. })));
         },
     );
 }
@@ -317,8 +278,7 @@ fn a_session_on_the_wall_clock_skips_and_takes_late_updates() {
         },
         |port| {
             load(port);
-            port.request(&Request::Operate(spec(Clock::Wall { processor: None })))
-                .unwrap();
+            port.request(&Request::Operate(spec(Clock::Wall { processor: None }))).unwrap();
             let first = port.await_samples(0).unwrap();
             port.send_updates(&updates(&first)).unwrap();
             let third = port.await_samples(3).unwrap();

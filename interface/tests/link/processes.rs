@@ -34,12 +34,7 @@ impl Role {
 
     fn start_with(role: &str, base: &Path, name: &str, longest_file: Option<u64>) -> Role {
         let child = Command::new(std::env::current_exe().unwrap())
-            .args([
-                "--exact",
-                &format!("processes::{role}"),
-                "--ignored",
-                "--nocapture",
-            ])
+            .args(["--exact", &format!("processes::{role}"), "--ignored", "--nocapture"])
             .env(BASE, base)
             .env(NAME, name)
             .envs(longest_file.map(|bytes| (LONGEST_FILE, bytes.to_string())))
@@ -91,10 +86,7 @@ fn limit_files() {
     let Ok(limit) = std::env::var(LONGEST_FILE) else {
         return;
     };
-    let to = |bytes| Rlimit {
-        current: Some(bytes),
-        maximum: Some(bytes),
-    };
+    let to = |bytes| Rlimit { current: Some(bytes), maximum: Some(bytes) };
     setrlimit(Resource::Core, to(0)).unwrap();
     setrlimit(Resource::Fsize, to(limit.parse().unwrap())).unwrap();
 }
@@ -187,19 +179,13 @@ fn two_processes_share_one_core() {
         scope.spawn(move || {
             let all = rustix::thread::sched_getaffinity(None).unwrap();
             let mut one = rustix::thread::CpuSet::new();
-            let core = (0..rustix::thread::CpuSet::MAX_CPU)
-                .find(|c| all.is_set(*c))
-                .unwrap();
+            let core = (0..rustix::thread::CpuSet::MAX_CPU).find(|c| all.is_set(*c)).unwrap();
             one.set(core);
             rustix::thread::sched_setaffinity(None, &one).unwrap();
             let start = Instant::now();
             fly(base, 2000);
             // Two pure spinners on one core take 8 ms a round trip, 16 s in all.
-            assert!(
-                start.elapsed() < Duration::from_secs(8),
-                "{:?}",
-                start.elapsed()
-            );
+            assert!(start.elapsed() < Duration::from_secs(8), "{:?}", start.elapsed());
         });
     });
     assert!(!base.exists());
@@ -208,9 +194,9 @@ fn two_processes_share_one_core() {
 #[test]
 fn the_launcher_notices_a_kill_at_any_moment() {
     // From before the child's first instruction to the middle of its frames.
-    for delay_us in [
-        0, 300, 1_000, 2_000, 3_000, 4_000, 5_000, 6_000, 8_000, 12_000, 20_000, 60_000,
-    ] {
+    for delay_us in
+        [0, 300, 1_000, 2_000, 3_000, 4_000, 5_000, 6_000, 8_000, 12_000, 20_000, 60_000]
+    {
         let dir = tempfile::tempdir().unwrap();
         let base = dir.path().join("base");
         let session = Session::create_in(&base, Side::Digital, None).unwrap();
@@ -234,10 +220,7 @@ fn the_launcher_notices_a_kill_at_any_moment() {
         let noticed = Instant::now();
         let (killed, child) = killer.join().unwrap();
         let text = fault.to_string();
-        assert!(
-            text.starts_with("analog-proc is gone (last frame "),
-            "{delay_us}: {text}"
-        );
+        assert!(text.starts_with("analog-proc is gone (last frame "), "{delay_us}: {text}");
         assert!(text.contains("signal 9"), "{delay_us}: {text}");
         let delay = noticed.saturating_duration_since(killed);
         assert!(delay < NOTICE, "{delay_us} us: noticed after {delay:?}");
@@ -284,30 +267,17 @@ fn the_child_survives_its_launcher_and_cleans_up() {
         // The child is not ours: a pidfd tells when it is gone.
         let fd = rustix::process::pidfd_open(child, rustix::process::PidfdFlags::empty());
         if let Ok(fd) = fd {
-            let mut polled = [rustix::event::PollFd::new(
-                &fd,
-                rustix::event::PollFlags::IN,
-            )];
-            let limit = rustix::time::Timespec {
-                tv_sec: 5,
-                tv_nsec: 0,
-            };
+            let mut polled = [rustix::event::PollFd::new(&fd, rustix::event::PollFlags::IN)];
+            let limit = rustix::time::Timespec { tv_sec: 5, tv_nsec: 0 };
             rustix::event::poll(&mut polled, Some(&limit)).unwrap();
         }
         let delay = killed.elapsed();
-        assert!(
-            delay < NOTICE,
-            "{delay_ms} ms: the child ended after {delay:?}"
-        );
+        assert!(delay < NOTICE, "{delay_ms} ms: the child ended after {delay:?}");
         if let Ok(text) = std::fs::read_to_string(base.with_extension("noticed")) {
             assert!(text.contains("(last frame "), "{text}");
         }
         let canonical = dir.path().canonicalize().unwrap().join("base");
-        assert!(
-            !canonical.exists(),
-            "{delay_ms} ms: {} is left",
-            canonical.display()
-        );
+        assert!(!canonical.exists(), "{delay_ms} ms: {} is left", canonical.display());
     }
 }
 
@@ -316,8 +286,7 @@ fn stopped(pid: u32) -> bool {
     let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
     threads.flatten().all(|thread| {
         let stat = std::fs::read_to_string(thread.path().join("stat")).unwrap_or_default();
-        stat.rsplit_once(") ")
-            .is_some_and(|(_, rest)| rest.starts_with('T'))
+        stat.rsplit_once(") ").is_some_and(|(_, rest)| rest.starts_with('T'))
     })
 }
 
@@ -341,16 +310,7 @@ fn a_stopped_partner_meets_the_deadline() {
     }
     let start = Instant::now();
     let fault = port.request(&Request::Diagnose).unwrap_err();
-    assert!(
-        matches!(
-            fault,
-            LinkFault::Deadline {
-                side: "analog-proc",
-                ..
-            }
-        ),
-        "{fault}"
-    );
+    assert!(matches!(fault, LinkFault::Deadline { side: "analog-proc", .. }), "{fault}");
     // A stopped process uses no processor time, so the first window decides: 1 s and a slice.
     assert!(start.elapsed() < Duration::from_secs(3));
     drop((port, child, session));
@@ -408,10 +368,7 @@ fn a_partner_that_dies_between_making_and_filling_a_file_holds_up_nobody() {
             let took = started.elapsed();
             let ended = child.0.wait().unwrap();
             let fault = opened.unwrap_err().to_string();
-            assert!(
-                fault.starts_with("analog-proc is gone (last frame "),
-                "{longest}: {fault}"
-            );
+            assert!(fault.starts_with("analog-proc is gone (last frame "), "{longest}: {fault}");
             assert!(!ended.success() && took < 3 * NOTICE, "{longest}: {took:?}");
             drop((session, child));
             assert_nothing_left(&base, &prefix);
@@ -461,10 +418,7 @@ fn a_half_made_service_holds_up_nobody() {
         std::fs::remove_file(&file).unwrap();
         std::fs::write(&file, "").unwrap();
     }
-    let hasty = Patience {
-        arrival: Some(Duration::from_millis(300)),
-        ..patience()
-    };
+    let hasty = Patience { arrival: Some(Duration::from_millis(300)), ..patience() };
     let join = || Session::join_in(&base, Side::Digital, "lab").unwrap();
     let started = Instant::now();
     let fault = ShmDigital::open(&join(), None, &hasty).unwrap_err();
@@ -479,16 +433,7 @@ fn a_half_made_service_holds_up_nobody() {
     });
     let fault = ShmDigital::open(&session, None, &patience()).unwrap_err();
     let noticed = killer.join().unwrap().elapsed();
-    assert!(
-        matches!(
-            fault,
-            LinkFault::PartnerDied {
-                side: "analog-proc",
-                ..
-            }
-        ),
-        "{fault}"
-    );
+    assert!(matches!(fault, LinkFault::PartnerDied { side: "analog-proc", .. }), "{fault}");
     assert!(noticed < 3 * NOTICE, "{noticed:?}");
     assert_nothing_left(&base, &prefix);
 }
@@ -504,11 +449,7 @@ fn all_shared_memory_is_private() {
     port.request(&Request::StaticCheck).unwrap();
     let mut files = 0;
     for entry in std::fs::read_dir("/dev/shm").unwrap().flatten() {
-        if entry
-            .file_name()
-            .to_string_lossy()
-            .starts_with(session.prefix())
-        {
+        if entry.file_name().to_string_lossy().starts_with(session.prefix()) {
             let mode = entry.metadata().unwrap().permissions().mode();
             assert_eq!(mode & 0o077, 0, "{:?} has mode {mode:o}", entry.file_name());
             files += 1;

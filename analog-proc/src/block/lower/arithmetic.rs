@@ -20,36 +20,16 @@ impl Lowering {
             }
             Kind::Inverter => self.weighted(o, block, -1.0)?,
             Kind::Gain { k } | Kind::Pot { k } => self.weighted(o, block, *k)?,
-            Kind::Dcu {
-                channel, initial, ..
-            } => {
+            Kind::Dcu { channel, initial, .. } => {
                 let u = self.sum(&block.inputs)?;
                 let dcu = self.dcu(*channel, *initial);
                 let varying = self.vary(&[u.slot]);
-                self.push(
-                    Op::Dcu {
-                        o,
-                        dcu,
-                        a: u.slot,
-                        c: u.c,
-                    },
-                    &[o],
-                    varying,
-                );
+                self.push(Op::Dcu { o, dcu, a: u.slot, c: u.c }, &[o], varying);
             }
             Kind::Mdac { channel, initial } => {
                 let u = self.sum(&block.inputs)?;
                 let hold = self.dac(*channel, *initial);
-                self.push(
-                    Op::Mdac {
-                        o,
-                        hold,
-                        a: u.slot,
-                        c: u.c,
-                    },
-                    &[o],
-                    true,
-                );
+                self.push(Op::Mdac { o, hold, a: u.slot, c: u.c }, &[o], true);
             }
             Kind::Dac { channel, initial } => {
                 let hold = self.dac(*channel, *initial);
@@ -60,52 +40,26 @@ impl Lowering {
                 let [a, b] = self.exactly(&block.inputs)?;
                 self.element(Piecewise::Divisor { u: b }, &[b.slot]);
                 let varying = self.vary(&[a.slot, b.slot]);
-                let op = Op::Quotient {
-                    o,
-                    a: a.slot,
-                    b: b.slot,
-                    c: a.c / b.c,
-                };
+                let op = Op::Quotient { o, a: a.slot, b: b.slot, c: a.c / b.c };
                 self.push(op, &[o], varying);
             }
             Kind::Square => {
                 let u = self.sum(&block.inputs)?;
                 let varying = self.vary(&[u.slot]);
-                self.push(
-                    Op::Product {
-                        o,
-                        a: u.slot,
-                        b: u.slot,
-                        c: u.c * u.c,
-                    },
-                    &[o],
-                    varying,
-                );
+                self.push(Op::Product { o, a: u.slot, b: u.slot, c: u.c * u.c }, &[o], varying);
             }
             Kind::SquareRoot => {
                 let u = self.sum(&block.inputs)?;
                 self.element(Piecewise::Radicand { u }, &[u.slot]);
                 let varying = self.vary(&[u.slot]);
-                self.push(
-                    Op::Root {
-                        o,
-                        a: u.slot,
-                        c: u.c,
-                    },
-                    &[o],
-                    varying,
-                );
+                self.push(Op::Root { o, a: u.slot, c: u.c }, &[o], varying);
             }
             Kind::Sine | Kind::Cosine => {
                 let u = self.sum(&block.inputs)?;
                 let varying = self.vary(&[u.slot]);
                 let (a, c) = (u.slot, u.c);
                 let sine = matches!(block.kind, Kind::Sine);
-                let op = if sine {
-                    Op::Sine { o, a, c }
-                } else {
-                    Op::Cosine { o, a, c }
-                };
+                let op = if sine { Op::Sine { o, a, c } } else { Op::Cosine { o, a, c } };
                 self.push(op, &[o], varying);
             }
             Kind::Resolver => {
@@ -150,22 +104,12 @@ impl Lowering {
         for right in &terms[1..terms.len() - 1] {
             let slot = self.hidden();
             let varying = self.vary(&[left.slot, right.slot]);
-            let op = Op::Product {
-                o: slot,
-                a: left.slot,
-                b: right.slot,
-                c: left.c * right.c,
-            };
+            let op = Op::Product { o: slot, a: left.slot, b: right.slot, c: left.c * right.c };
             self.push(op, &[slot], varying);
             left = Term { slot, c: 1.0 };
         }
         let varying = self.vary(&[left.slot, last.slot]);
-        let op = Op::Product {
-            o,
-            a: left.slot,
-            b: last.slot,
-            c: left.c * last.c,
-        };
+        let op = Op::Product { o, a: left.slot, b: last.slot, c: left.c * last.c };
         self.push(op, &[o], varying);
         Ok(())
     }

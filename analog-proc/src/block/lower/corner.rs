@@ -28,11 +28,7 @@ impl Lowering {
                 let u = self.sum(&block.inputs)?;
                 self.curve_into(o, u, x, &pieces_of_table(x, y));
             }
-            Kind::DigitalFunction {
-                x,
-                first_channel,
-                initial,
-            } => {
+            Kind::DigitalFunction { x, first_channel, initial } => {
                 if x.is_empty() || x.len() != initial.len() {
                     return Err(self.malformed("its table needs as many values as breakpoints"));
                 }
@@ -44,9 +40,7 @@ impl Lowering {
                     let channel = first_channel.saturating_add(i as u32);
                     self.m.dcu_channels.push((channel, *value));
                 }
-                self.m
-                    .digital_functions
-                    .push(DigitalFunction { curve, first });
+                self.m.digital_functions.push(DigitalFunction { curve, first });
             }
             Kind::Function2d { x, y, z } => {
                 if x.is_empty() || y.is_empty() || z.len() != x.len() * y.len() {
@@ -57,26 +51,11 @@ impl Lowering {
                 let [u, v] = self.exactly(&block.inputs)?;
                 let table = self.m.tables.len() as u32;
                 let bands = [band(x), band(y)];
-                self.m.tables.push(Table {
-                    x: x.clone(),
-                    y: y.clone(),
-                    z: z.clone(),
-                    bands,
-                });
+                self.m.tables.push(Table { x: x.clone(), y: y.clone(), z: z.clone(), bands });
                 let slots = [u.slot, v.slot];
                 let e = self.element(Piecewise::Cell(Cell { table, x: u, y: v }), &slots);
                 let varying = self.vary(&slots);
-                self.push(
-                    Op::Surface {
-                        o,
-                        e,
-                        table,
-                        x: u,
-                        y: v,
-                    },
-                    &[o],
-                    varying,
-                );
+                self.push(Op::Surface { o, e, table, x: u, y: v }, &[o], varying);
             }
             Kind::DeadZone { width } => {
                 let u = self.sum(&block.inputs)?;
@@ -88,17 +67,7 @@ impl Lowering {
                         let w = self.slot(net);
                         let e = self.element(Piecewise::DeadZone { u, width: w }, &[u.slot, w]);
                         let varying = self.vary(&[u.slot, w]);
-                        self.push(
-                            Op::DeadZone {
-                                o,
-                                e,
-                                a: u.slot,
-                                c: u.c,
-                                w,
-                            },
-                            &[o],
-                            varying,
-                        );
+                        self.push(Op::DeadZone { o, e, a: u.slot, c: u.c, w }, &[o], varying);
                     }
                 }
             }
@@ -112,48 +81,19 @@ impl Lowering {
                     let slots = [u.slot, low, high];
                     let e = self.element(Piecewise::Limiter { u, low, high }, &slots);
                     let varying = self.vary(&slots);
-                    self.push(
-                        Op::Limit {
-                            o,
-                            e,
-                            a: u.slot,
-                            c: u.c,
-                            low,
-                            high,
-                        },
-                        &[o],
-                        varying,
-                    );
+                    self.push(Op::Limit { o, e, a: u.slot, c: u.c, low, high }, &[o], varying);
                 }
             }
             Kind::DryFriction { level, breakaway } => {
                 let [velocity, applied] = self.exactly(&block.inputs)?;
                 let state = ((velocity.slot as usize) < self.m.states).then_some(velocity.slot);
-                let friction = Friction {
-                    velocity,
-                    applied,
-                    level: *level,
-                    breakaway: *breakaway,
-                    state,
-                };
+                let friction =
+                    Friction { velocity, applied, level: *level, breakaway: *breakaway, state };
                 let slots = [velocity.slot, applied.slot];
                 let e = self.element(Piecewise::Friction(friction), &slots);
-                self.push(
-                    Op::Friction {
-                        o,
-                        e,
-                        a: applied.slot,
-                        c: applied.c,
-                    },
-                    &[o],
-                    true,
-                );
+                self.push(Op::Friction { o, e, a: applied.slot, c: applied.c }, &[o], true);
             }
-            Kind::Relay {
-                points,
-                outputs,
-                initially_on,
-            } => {
+            Kind::Relay { points, outputs, initially_on } => {
                 let u = self.sum(&block.inputs)?;
                 let relay = Piecewise::Relay {
                     u,
@@ -164,10 +104,7 @@ impl Lowering {
                 let e = self.element(relay, &[u.slot]);
                 self.push(Op::Constant { o, e }, &[o], false);
             }
-            Kind::Comparator {
-                threshold,
-                hysteresis,
-            } => {
+            Kind::Comparator { threshold, hysteresis } => {
                 let u = self.sum(&block.inputs)?;
                 let comparator = Piecewise::Comparator {
                     u,

@@ -23,13 +23,7 @@ impl Lowering {
         };
         let o = self.slot(net);
         match &block.kind {
-            Kind::Integrator {
-                limits,
-                operate,
-                reset,
-                reset_to,
-                ..
-            } => {
+            Kind::Integrator { limits, operate, reset, reset_to, .. } => {
                 let mut terms = self.terms(&block.inputs);
                 if terms.is_empty() {
                     return Err(self.malformed("it needs at least one input"));
@@ -37,12 +31,7 @@ impl Lowering {
                 let mut stops = None;
                 if let Some([low, high]) = *limits {
                     let rate = self.sum(&block.inputs)?;
-                    let element = Piecewise::Stops(Stops {
-                        state: o,
-                        rate,
-                        low,
-                        high,
-                    });
+                    let element = Piecewise::Stops(Stops { state: o, rate, low, high });
                     stops = Some(self.element(element, &[o, rate.slot]));
                     terms = vec![rate];
                 }
@@ -60,18 +49,12 @@ impl Lowering {
             }
             Kind::Lag { tau, gain, .. } => {
                 let mut terms = scaled(self.terms(&block.inputs), gain / tau);
-                terms.push(Term {
-                    slot: o,
-                    c: -1.0 / tau,
-                });
+                terms.push(Term { slot: o, c: -1.0 / tau });
                 self.rate(o, &terms);
             }
             Kind::RateLimiter { rate, tau, .. } => {
                 let mut terms = scaled(self.terms(&block.inputs), 1.0 / tau);
-                terms.push(Term {
-                    slot: o,
-                    c: -1.0 / tau,
-                });
+                terms.push(Term { slot: o, c: -1.0 / tau });
                 let pieces = pieces_of_limiter(-rate, *rate);
                 self.follower(o, &terms, &[-rate, *rate], &pieces, 1.0);
             }
@@ -94,23 +77,14 @@ impl Lowering {
             }
             Kind::FlipFlop { .. } => {
                 let [set, reset] = self.exactly(&block.inputs)?;
-                self.m.stores.push(Store::FlipFlop {
-                    o,
-                    set: set.slot,
-                    reset: reset.slot,
-                });
+                self.m.stores.push(Store::FlipFlop { o, set: set.slot, reset: reset.slot });
             }
             Kind::OneShot { width_s } => {
                 let [input] = self.exactly(&block.inputs)?;
                 let timer = self.m.timers.len() as u32;
                 self.m.timers.push((o, Timer::OneShotEnd));
                 let (input, width_s) = (input.slot, *width_s);
-                self.m.stores.push(Store::OneShot {
-                    o,
-                    input,
-                    width_s,
-                    timer,
-                });
+                self.m.stores.push(Store::OneShot { o, input, width_s, timer });
             }
             Kind::Counter { modulo } => {
                 let Some(clock) = block.inputs.first() else {
@@ -118,18 +92,10 @@ impl Lowering {
                 };
                 let clock = self.slot(clock.net);
                 let reset = block.inputs.get(1).map(|i| self.slot(i.net));
-                self.m.stores.push(Store::Counter {
-                    o,
-                    clock,
-                    reset,
-                    modulo: *modulo,
-                });
+                self.m.stores.push(Store::Counter { o, clock, reset, modulo: *modulo });
             }
             Kind::Interrupt { line } => {
-                self.m.stores.push(Store::Interrupt {
-                    input: o,
-                    line: *line,
-                });
+                self.m.stores.push(Store::Interrupt { input: o, line: *line });
             }
             _ => {}
         }
@@ -149,12 +115,6 @@ impl Lowering {
         self.sum_into(slot, terms);
         let driven = self.hidden();
         self.curve_into(driven, Term { slot, c: 1.0 }, corners, pieces);
-        self.rate(
-            o,
-            &[Term {
-                slot: driven,
-                c: factor,
-            }],
-        );
+        self.rate(o, &[Term { slot: driven, c: factor }]);
     }
 }

@@ -21,27 +21,13 @@ impl Lowering {
                 let store = self.m.track_ics.len() as u32;
                 self.m.track_ics.push(*ic);
                 let varying = self.vary(&[u.slot]);
-                self.push(
-                    Op::Track {
-                        o,
-                        control,
-                        a: u.slot,
-                        c: u.c,
-                        store,
-                    },
-                    &[o],
-                    varying,
-                );
+                self.push(Op::Track { o, control, a: u.slot, c: u.c, store }, &[o], varying);
             }
             Kind::And | Kind::Or => {
                 let terms = self.terms(&block.inputs);
                 let (start, len) = self.store_terms(&terms);
                 let and = matches!(block.kind, Kind::And);
-                let op = if and {
-                    Op::And { o, start, len }
-                } else {
-                    Op::Or { o, start, len }
-                };
+                let op = if and { Op::And { o, start, len } } else { Op::Or { o, start, len } };
                 self.push(op, &[o], false);
             }
             Kind::Not => {

@@ -17,14 +17,7 @@ impl Lowering {
                 self.m.step_cap_s = self.m.step_cap_s.min(*delay);
                 self.push(Op::Delay { o, line }, &[o], true);
             }
-            Kind::Generator {
-                wave,
-                amplitude,
-                offset,
-                frequency_hz,
-                phase_rad,
-                start_s,
-            } => {
+            Kind::Generator { wave, amplitude, offset, frequency_hz, phase_rad, start_s } => {
                 let (offset, amplitude, start_s) = (*offset, *amplitude, *start_s);
                 self.m.initial_nets[o as usize] = offset;
                 let form = match wave {
@@ -46,20 +39,10 @@ impl Lowering {
                         self.m.timers.push((o, square));
                         None
                     }
-                    Wave::Ramp => Some(Waveform::Ramp {
-                        offset,
-                        slope: amplitude,
-                        start_s,
-                    }),
+                    Wave::Ramp => Some(Waveform::Ramp { offset, slope: amplitude, start_s }),
                     Wave::Sine => {
                         let (frequency_hz, phase_rad) = (*frequency_hz, *phase_rad);
-                        Some(Waveform::Sine {
-                            offset,
-                            amplitude,
-                            frequency_hz,
-                            phase_rad,
-                            start_s,
-                        })
+                        Some(Waveform::Sine { offset, amplitude, frequency_hz, phase_rad, start_s })
                     }
                 };
                 if let Some(form) = form {
@@ -69,20 +52,10 @@ impl Lowering {
                     self.push(Op::Wave { o, wave }, &[o], true);
                 }
             }
-            Kind::Noise {
-                sigma,
-                every_s,
-                seed,
-            } => {
+            Kind::Noise { sigma, every_s, seed } => {
                 let noise = self.m.noises.len() as u32;
                 self.m.noises.push((*sigma, *seed));
-                self.m.timers.push((
-                    o,
-                    Timer::Noise {
-                        noise,
-                        every_s: *every_s,
-                    },
-                ));
+                self.m.timers.push((o, Timer::Noise { noise, every_s: *every_s }));
             }
             Kind::Constant { value } => self.m.initial_nets[o as usize] = *value,
             Kind::Time => self.push(Op::Time { o }, &[o], true),

@@ -77,11 +77,7 @@ impl Pen {
 
     pub(super) fn boxed(&mut self, sign: &str) {
         self.frame();
-        let class = if sign.chars().count() > 2 {
-            "word"
-        } else {
-            "sign"
-        };
+        let class = if sign.chars().count() > 2 { "word" } else { "sign" };
         let drop = if class == "sign" { 8.0 } else { 4.5 };
         self.text(0.0, drop, class, sign);
     }
@@ -95,13 +91,7 @@ impl Pen {
 
     /// A flag that points the way of the signal.
     pub(super) fn flag(&mut self, text: &str) {
-        let points = [
-            (-1.0, -1.0),
-            (0.6, -1.0),
-            (1.0, 0.0),
-            (0.6, 1.0),
-            (-1.0, 1.0),
-        ];
+        let points = [(-1.0, -1.0), (0.6, -1.0), (1.0, 0.0), (0.6, 1.0), (-1.0, 1.0)];
         self.outline("body", &points, true);
         self.text(-4.0, 4.0, "tiny", text);
     }

@@ -18,10 +18,8 @@ impl<'r> Fields<'r, '_> {
 
     fn numbers_of(&mut self, key: &str, items: &[Value]) -> Option<Vec<f64>> {
         // Read all before giving up.
-        let read: Vec<Option<f64>> = items
-            .iter()
-            .map(|item| self.resolver.number(self.scope, key, item))
-            .collect();
+        let read: Vec<Option<f64>> =
+            items.iter().map(|item| self.resolver.number(self.scope, key, item)).collect();
         read.into_iter().collect()
     }
 
@@ -81,17 +79,14 @@ impl<'r> Fields<'r, '_> {
         }
         for (pair, item) in values.windows(2).zip(&items[1..]) {
             if pair[1] <= pair[0] {
-                self.resolver
-                    .faults
-                    .push(item.span, |src, at| PatchFault::Breakpoints {
-                        src,
-                        at,
-                        field: key.to_owned(),
-                        value: pair[1],
-                        previous: pair[0],
-                        help: "sort the breakpoints; a step needs two that lie close together"
-                            .into(),
-                    });
+                self.resolver.faults.push(item.span, |src, at| PatchFault::Breakpoints {
+                    src,
+                    at,
+                    field: key.to_owned(),
+                    value: pair[1],
+                    previous: pair[0],
+                    help: "sort the breakpoints; a step needs two that lie close together".into(),
+                });
                 return None;
             }
         }
@@ -112,12 +107,7 @@ impl<'r> Fields<'r, '_> {
             let values = match &row.data {
                 Data::List(items) => self.numbers_of(key, items),
                 _ => {
-                    wrong_type(
-                        key,
-                        "a list of rows, one for each x",
-                        row,
-                        self.resolver.faults,
-                    );
+                    wrong_type(key, "a list of rows, one for each x", row, self.resolver.faults);
                     None
                 }
             };
@@ -128,16 +118,14 @@ impl<'r> Fields<'r, '_> {
             if let Some((_, columns)) = size.filter(|(_, columns)| *columns != values.len()) {
                 is_whole = false;
                 let found = values.len();
-                self.resolver
-                    .faults
-                    .push(row.span, |src, at| PatchFault::TableSize {
-                        src,
-                        at,
-                        field: key.to_owned(),
-                        found,
-                        wanted: format!("{columns} (one for each y)"),
-                        help: "a row holds the values at one x, in order of y".into(),
-                    });
+                self.resolver.faults.push(row.span, |src, at| PatchFault::TableSize {
+                    src,
+                    at,
+                    field: key.to_owned(),
+                    found,
+                    wanted: format!("{columns} (one for each y)"),
+                    help: "a row holds the values at one x, in order of y".into(),
+                });
             }
             all.extend(values);
         }

@@ -75,11 +75,7 @@ impl Fields<'_, '_> {
     /// Makes a hidden inverter of a net.
     pub(crate) fn inverted(&mut self, net: NetId, part: &str, span: Span) -> NetId {
         let name = format!("{}.{part}", self.owner);
-        let input = Input {
-            net,
-            coefficient: 1.0,
-            span,
-        };
+        let input = Input { net, coefficient: 1.0, span };
         self.resolver.hide(name, self.at, Kind::Inverter, input)
     }
 }

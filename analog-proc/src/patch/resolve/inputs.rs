@@ -59,11 +59,7 @@ impl Resolver<'_> {
             number::not_finite(field, value.span, self.faults);
             return None;
         }
-        Some(Input {
-            net,
-            coefficient,
-            span: value.span,
-        })
+        Some(Input { net, coefficient, span: value.span })
     }
 
     /// The net for which a name stands in a scope: a port, or a block of the scope itself.
@@ -107,11 +103,7 @@ impl Resolver<'_> {
         }
         let ports = self.bound.get(scope).into_iter().flat_map(|p| p.keys());
         let mut near: Vec<&str> = ports.map(String::as_str).collect();
-        near.extend(
-            self.nets
-                .iter()
-                .filter_map(|net| net.name.strip_prefix(prefix.as_str())),
-        );
+        near.extend(self.nets.iter().filter_map(|net| net.name.strip_prefix(prefix.as_str())));
         let help = suggestion(name, "nets", near);
         self.faults.push(at, |src, at| PatchFault::UnknownNet {
             src,
@@ -158,36 +150,27 @@ pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Arity, kind: &str) -
         } else {
             "name each input in the list `in`".to_owned()
         };
-        fields
-            .resolver
-            .faults
-            .push(entry.value.span, |src, at| PatchFault::Arity {
-                src,
-                at,
-                owner,
-                wanted: arity.words(),
-                found,
-                help,
-            });
-    }
-    let scope = fields.scope;
-    items
-        .into_iter()
-        .filter_map(|item| fields.resolver.input(scope, "in", item))
-        .collect()
-}
-
-fn unconnected(owner: String, at: Span, arity: Arity, fields: &mut Fields<'_, '_>) {
-    fields
-        .resolver
-        .faults
-        .push(at, |src, at| PatchFault::UnconnectedInput {
+        fields.resolver.faults.push(entry.value.span, |src, at| PatchFault::Arity {
             src,
             at,
             owner,
-            help: format!(
-                "it takes {}: in = [\"NET\"]; for a fixed input wire a `constant` block",
-                arity.words()
-            ),
+            wanted: arity.words(),
+            found,
+            help,
         });
+    }
+    let scope = fields.scope;
+    items.into_iter().filter_map(|item| fields.resolver.input(scope, "in", item)).collect()
+}
+
+fn unconnected(owner: String, at: Span, arity: Arity, fields: &mut Fields<'_, '_>) {
+    fields.resolver.faults.push(at, |src, at| PatchFault::UnconnectedInput {
+        src,
+        at,
+        owner,
+        help: format!(
+            "it takes {}: in = [\"NET\"]; for a fixed input wire a `constant` block",
+            arity.words()
+        ),
+    });
 }

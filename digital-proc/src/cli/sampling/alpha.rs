@@ -26,12 +26,7 @@ use interface::Tick;
 #[derive(clap::Args)]
 pub struct Alpha {
     /// Frequencies of the loop, rad/s
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "2,4,6",
-        value_name = "RAD/S"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "2,4,6", value_name = "RAD/S")]
     omega: Vec<f64>,
     /// Slow period, in which the digital side integrates alpha
     #[arg(long, default_value = "100ms", value_name = "TIME")]
@@ -43,12 +38,7 @@ pub struct Alpha {
     #[arg(long, default_value_t = 1.0, value_name = "FRAMES")]
     latency: f64,
     /// Correction gains K
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "0.1,0.2,0.5",
-        value_name = "K"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "0.1,0.2,0.5", value_name = "K")]
     gain: Vec<f64>,
     /// When and against what the correction is formed
     #[arg(long, value_enum, default_value = "late-matched")]
@@ -239,10 +229,7 @@ fn histories_chart(
         })
         .collect();
     LineChart::new(
-        format!(
-            "Angle after a displacement, ω = {} rad/s",
-            omega.unwrap_or(f64::NAN)
-        ),
+        format!("Angle after a displacement, ω = {} rad/s", omega.unwrap_or(f64::NAN)),
         Axis::new("time", "s"),
         Axis::new("angle / angle at the start", ""),
         series,
@@ -284,11 +271,7 @@ impl Alpha {
             &drawn,
         )
         .limit(0.0, "stability");
-        outcome.chart(
-            "damping",
-            "Lines: monodromy matrix. Markers: runs on the machine.",
-            chart,
-        );
+        outcome.chart("damping", "Lines: monodromy matrix. Markers: runs on the machine.", chart);
         Ok(())
     }
 
@@ -299,11 +282,8 @@ impl Alpha {
         outcome: &mut Outcome,
         omega: f64,
     ) -> Result<(), Failure> {
-        let gain = if self.gain.contains(&0.2) {
-            0.2
-        } else {
-            self.gain.first().copied().unwrap_or(0.2)
-        };
+        let gain =
+            if self.gain.contains(&0.2) { 0.2 } else { self.gain.first().copied().unwrap_or(0.2) };
         let slow_axis = [0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2];
         let mut table = Table::new(vec![
             Heading::new("scheme", ""),
@@ -340,10 +320,7 @@ impl Alpha {
             }
             matrix.push(cells);
         }
-        outcome.check(
-            right,
-            "the stable region of the sweep is that of the monodromy matrix",
-        );
+        outcome.check(right, "the stable region of the sweep is that of the monodromy matrix");
         outcome.table(
             "stability",
             format!("Where the loop of {omega} rad/s is stable, K = {gain}."),
@@ -356,10 +333,7 @@ impl Alpha {
                 quantity: "damping ratio ζ".to_owned(),
                 corner: "scheme against slow period".to_owned(),
                 rows: schemes.into_iter().map(|(name, _)| name).collect(),
-                columns: slow_axis
-                    .iter()
-                    .map(|s| format!("{} ms", s * 1e3))
-                    .collect(),
+                columns: slow_axis.iter().map(|s| format!("{} ms", s * 1e3)).collect(),
                 cells: matrix,
                 scale: None,
                 digits: 2,
@@ -394,10 +368,7 @@ impl Alpha {
         }
         outcome.table(
             "drift",
-            format!(
-                "Error that a drift of {} deg/s of the analog integrator leaves.",
-                self.drift
-            ),
+            format!("Error that a drift of {} deg/s of the analog integrator leaves.", self.drift),
             table,
         );
         Ok(())

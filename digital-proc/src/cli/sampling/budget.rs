@@ -59,12 +59,7 @@ pub struct Budget {
     #[arg(long, value_name = "TIME")]
     settling: Option<Tick>,
     /// Lead of the digital law, frames: u = m + a (m - m before)
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "FRAMES",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, default_value_t = 0.0, value_name = "FRAMES", allow_negative_numbers = true)]
     lead: f64,
 }
 
@@ -95,10 +90,7 @@ impl Budget {
             adc_bits: bits(profile.adc.bits.as_ref()),
             dac_bits: bits(profile.dac.bits.as_ref()),
             hold: self.hold.unwrap_or(of_profile),
-            settling: self
-                .settling
-                .or_else(|| Tick::from_secs(settling))
-                .unwrap_or(Tick::ZERO),
+            settling: self.settling.or_else(|| Tick::from_secs(settling)).unwrap_or(Tick::ZERO),
             lead_frames: self.lead,
         })
     }
@@ -123,12 +115,8 @@ impl Measure for Budget {
             Some(path) => {
                 let bundle = bundle_from_path(path).map_err(Failure::input)?;
                 bench.console().load(bundle, Vec::new(), Profile::ideal())?;
-                Route::of(
-                    bench.console().channels(),
-                    self.adc.as_deref(),
-                    self.dac.as_deref(),
-                )
-                .map_err(Failure::input)?
+                Route::of(bench.console().channels(), self.adc.as_deref(), self.dac.as_deref())
+                    .map_err(Failure::input)?
             }
         };
         let all = self.stages(&profile, route.scan.len() as u32)?;
@@ -139,25 +127,16 @@ impl Measure for Budget {
         let mut alone = |change: &dyn Fn(&mut Stages), against: Response| {
             let mut stages = bare;
             change(&mut stages);
-            bench
-                .loop_back(&route, window, &stages)
-                .map(|r| ratio(r, against))
+            bench.loop_back(&route, window, &stages).map(|r| ratio(r, against))
         };
         let theory = all.chain(&route).budget(omega);
         let mut measured: Vec<Option<Response>> = Vec::new();
-        let later = alone(
-            &|s| s.latency = all.latency,
-            Response {
-                gain: 1.0,
-                phase_rad: 0.0,
-            },
-        )?;
+        let later = alone(&|s| s.latency = all.latency, Response { gain: 1.0, phase_rad: 0.0 })?;
         for row in &theory {
             measured.push(match row.stage {
-                "multiplexer skew" if all.skew > Tick::ZERO => Some(alone(
-                    &|s| (s.skew, s.latency) = (all.skew, all.latency),
-                    later,
-                )?),
+                "multiplexer skew" if all.skew > Tick::ZERO => {
+                    Some(alone(&|s| (s.skew, s.latency) = (all.skew, all.latency), later)?)
+                }
                 "aperture" if all.aperture > Tick::ZERO => {
                     Some(alone(&|s| s.aperture = all.aperture, reference)?)
                 }
@@ -173,13 +152,9 @@ impl Measure for Budget {
                 "digital-to-analog" if all.dac_bits.is_some() => {
                     Some(alone(&|s| s.dac_bits = all.dac_bits, reference)?)
                 }
-                "hold" => Some(alone(
-                    &|s| s.hold = all.hold,
-                    Response {
-                        gain: 1.0,
-                        phase_rad: 0.0,
-                    },
-                )?),
+                "hold" => {
+                    Some(alone(&|s| s.hold = all.hold, Response { gain: 1.0, phase_rad: 0.0 })?)
+                }
                 "settling" if all.settling > Tick::ZERO => {
                     Some(alone(&|s| s.settling = all.settling, reference)?)
                 }
@@ -213,9 +188,7 @@ impl Measure for Budget {
         }
         let mut outcome = Outcome::new(
             "budget",
-            self.patch
-                .as_ref()
-                .map_or("loop-back".to_owned(), |p| p.display().to_string()),
+            self.patch.as_ref().map_or("loop-back".to_owned(), |p| p.display().to_string()),
             format!("Error budget of a channel at {:.6} Hz", window.frequency_hz),
             "Gain and phase that each stage of the linkage adds at one frequency. Each stage is \
              measured alone against a bare zero-order hold, the whole chain at once.",
@@ -284,10 +257,8 @@ impl Budget {
         };
         let line: Vec<f64> = grid(80).collect();
         let line_gain: Vec<f64> = line.iter().map(|f| fundamental(*f).modulus()).collect();
-        let mut line_phase: Vec<f64> = line
-            .iter()
-            .map(|f| fundamental(*f).argument().to_degrees())
-            .collect();
+        let mut line_phase: Vec<f64> =
+            line.iter().map(|f| fundamental(*f).argument().to_degrees()).collect();
         turns(&mut line_phase);
         let (mut hz, mut gain, mut phase) = (Vec::new(), Vec::new(), Vec::new());
         for wanted in grid(10) {
@@ -300,20 +271,8 @@ impl Budget {
         turns(&mut phase);
         let axis = || Axis::new("frequency", "Hz").log();
         for (id, title, y, theory, measured) in [
-            (
-                "gain",
-                "Gain of the channel",
-                Axis::new("gain", ""),
-                line_gain,
-                gain,
-            ),
-            (
-                "phase",
-                "Phase of the channel",
-                Axis::new("phase", "°"),
-                line_phase,
-                phase,
-            ),
+            ("gain", "Gain of the channel", Axis::new("gain", ""), line_gain, gain),
+            ("phase", "Phase of the channel", Axis::new("phase", "°"), line_phase, phase),
         ] {
             let compared = Compared {
                 name: String::new(),

@@ -23,20 +23,10 @@ const LIMIT: f64 = 1e-6;
 #[derive(clap::Args)]
 pub struct Circle {
     /// Samples per cycle, at least 6
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "10,20,40,100,200,400",
-        value_name = "N"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "10,20,40,100,200,400", value_name = "N")]
     samples_per_cycle: Vec<u32>,
     /// Latencies in frames, 0 to 1
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "0,0.25,0.5,1",
-        value_name = "FRAMES"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "0,0.25,0.5,1", value_name = "FRAMES")]
     latency: Vec<f64>,
     /// Reconstruction of the DAC: zero-order, extrapolating, interpolating
     #[arg(long, value_delimiter = ',', value_parser = hold,
@@ -128,8 +118,7 @@ impl Measure for Circle {
         outcome.table("circle", "Growth of the amplitude over one cycle.", table);
 
         let of = |hold: Hold, latency: f64| {
-            rows.iter()
-                .filter(move |r| r.hold == hold.name() && r.latency_frames == latency)
+            rows.iter().filter(move |r| r.hold == hold.name() && r.latency_frames == latency)
         };
         for (id, latency) in ["growth-first-latency", "growth-last-latency"]
             .into_iter()
@@ -156,20 +145,12 @@ impl Measure for Circle {
                 Axis::new("|growth per cycle − 1|", "").log(),
                 &compared,
             );
-            outcome.chart(
-                id,
-                "Lines: exact discrete map. Markers: runs on the machine.",
-                chart,
-            );
+            outcome.chart(id, "Lines: exact discrete map. Markers: runs on the machine.", chart);
         }
         let errors: Vec<Series> = self
             .hold
             .iter()
-            .flat_map(|hold| {
-                curve::ends(&self.latency)
-                    .into_iter()
-                    .map(move |l| (*hold, l))
-            })
+            .flat_map(|hold| curve::ends(&self.latency).into_iter().map(move |l| (*hold, l)))
             .map(|(hold, latency)| {
                 let (x, y): (Vec<f64>, Vec<f64>) = of(hold, latency)
                     .map(|r| (f64::from(r.samples_per_cycle), r.error_first_order.abs()))

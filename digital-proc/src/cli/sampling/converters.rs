@@ -22,12 +22,7 @@ const VARIANCE_LIMIT: f64 = 0.03;
 #[derive(clap::Args)]
 pub struct Noise {
     /// Bits of the DAC, sign included
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "8,10,12,14",
-        value_name = "BITS"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "8,10,12,14", value_name = "BITS")]
     bits: Vec<u32>,
     /// Frames; the sampling error of a variance falls with their root
     #[arg(long, default_value_t = 100_001, value_name = "N")]
@@ -159,17 +154,10 @@ impl Measure for Skew {
                 (&mut mean, row.mean_theory_rad, row.mean_measured_rad),
                 (&mut greatest, row.max_theory_rad, row.max_measured_rad),
             ] {
-                compared.push(
-                    1e6 * row.skew_s,
-                    theory_rad.to_degrees(),
-                    measured_rad.to_degrees(),
-                );
+                compared.push(1e6 * row.skew_s, theory_rad.to_degrees(), measured_rad.to_degrees());
             }
         }
-        outcome.check(
-            agree,
-            "the error is ωδ sin²θ at every angle, up to its square",
-        );
+        outcome.check(agree, "the error is ωδ sin²θ at every angle, up to its square");
         outcome.table("skew", "Error of the angle over four revolutions.", table);
         outcome.chart(
             "error",
@@ -251,11 +239,7 @@ impl Measure for Coefficients {
                 "mean and rms error are those of theory within 1e-6: worst {worst:.1e}, relative"
             ),
         );
-        outcome.table(
-            "coefficients",
-            "Error of the coefficient over 20 periods.",
-            table,
-        );
+        outcome.table("coefficients", "Error of the coefficient over 20 periods.", table);
         outcome.chart(
             "error",
             "The error is of first order in the period.",

@@ -43,14 +43,8 @@ impl Measure for Flight {
                 "--until must be at least 25s, the step of the command comes at 20 s",
             ));
         }
-        if let Some(bad) = self
-            .frame
-            .iter()
-            .find(|f| f.0 < 1_000_000 || f.0 > 500_000_000)
-        {
-            return Err(Failure::input(format!(
-                "--frame {bad} is not between 1ms and 500ms"
-            )));
+        if let Some(bad) = self.frame.iter().find(|f| f.0 < 1_000_000 || f.0 > 500_000_000) {
+            return Err(Failure::input(format!("--frame {bad} is not between 1ms and 500ms")));
         }
         let case =
             FlightCase::design(&vehicle, FlightMode::Normal.script()).map_err(Failure::input)?;
@@ -78,13 +72,7 @@ impl Measure for Flight {
         let mut progress = Progress::new((3 * self.frame.len()) as u64, "machines");
         for partition in Partition::ALL {
             for frame in &self.frame {
-                let r = row(
-                    bench.console(),
-                    &vehicle,
-                    &case,
-                    partition,
-                    (*frame, self.until),
-                )?;
+                let r = row(bench.console(), &vehicle, &case, partition, (*frame, self.until))?;
                 let number = |v: Option<f64>| v.map_or_else(|| Cell::from("-"), Cell::from);
                 table.row([
                     partition.name().into(),
@@ -95,11 +83,7 @@ impl Measure for Flight {
                     (100.0 * r.max_q_alpha_padeg / limit).into(),
                     r.worst_error_deg.into(),
                     r.worst_roll_deg.into(),
-                    if r.lost {
-                        format!("lost at {:.1} s", r.end_s).into()
-                    } else {
-                        "held".into()
-                    },
+                    if r.lost { format!("lost at {:.1} s", r.end_s).into() } else { "held".into() },
                 ]);
                 rows.push(r);
                 progress.at(rows.len() as u64);

@@ -26,12 +26,7 @@ const AXES_RATIO: f64 = 10.0;
 #[derive(clap::Args)]
 pub struct FunctionGeneration {
     /// Frames in one cycle of alpha
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "20,39,80,160",
-        value_name = "N"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "20,39,80,160", value_name = "N")]
     frames_per_cycle: Vec<u32>,
     /// Sampling period
     #[arg(long, default_value = "20ms", value_name = "TIME")]
@@ -98,9 +93,7 @@ impl Measure for FunctionGeneration {
         let digital = of(Way::AllDigital)
             .map(|r| (r.lag_measured_deg - r.lag_theory_deg).abs())
             .fold(0.0, f64::max);
-        let hybrid = of(Way::Hybrid)
-            .map(|r| r.lag_measured_deg.abs())
-            .fold(0.0, f64::max);
+        let hybrid = of(Way::Hybrid).map(|r| r.lag_measured_deg.abs()).fold(0.0, f64::max);
         outcome.check(
             digital < DIGITAL_LAG_LIMIT_DEG,
             format!("the all-digital lag is ω(T/2 + delay) within {DIGITAL_LAG_LIMIT_DEG}°: worst {digital:.4}°"),

@@ -235,13 +235,7 @@ impl From<TheoryError> for Failure {
 
 /// A hold by its name.
 fn hold(text: &str) -> Result<Hold, String> {
-    Hold::ALL
-        .into_iter()
-        .find(|h| h.name() == text)
-        .ok_or_else(|| {
-            format!(
-                "no such hold; the holds are {}",
-                Hold::ALL.map(Hold::name).join(", ")
-            )
-        })
+    Hold::ALL.into_iter().find(|h| h.name() == text).ok_or_else(|| {
+        format!("no such hold; the holds are {}", Hold::ALL.map(Hold::name).join(", "))
+    })
 }

@@ -89,11 +89,7 @@ impl Outcome {
 
     pub fn table(&mut self, name: &'static str, caption: impl Into<String>, table: Table) {
         let caption = caption.into();
-        self.tables.push(Titled {
-            name,
-            caption,
-            table,
-        });
+        self.tables.push(Titled { name, caption, table });
     }
 
     pub fn chart(&mut self, id: &'static str, caption: impl Into<String>, chart: LineChart) {
@@ -105,11 +101,7 @@ impl Outcome {
     }
 
     pub fn matrix(&mut self, id: &'static str, caption: impl Into<String>, map: HeatMap) {
-        self.figures.push(Figure {
-            id,
-            caption: caption.into(),
-            drawing: Drawing::Matrix(map),
-        });
+        self.figures.push(Figure { id, caption: caption.into(), drawing: Drawing::Matrix(map) });
     }
 
     pub fn check(&mut self, holds: bool, statement: impl Into<String>) {
@@ -134,10 +126,7 @@ impl Outcome {
         let directory = RunDirectory::create(out, &command, started)?;
         let link = machine.join.link_name();
         let record = RunRecord {
-            patch: Some(PatchIdentity {
-                name: self.patch.clone(),
-                sha256: patch_hash,
-            }),
+            patch: Some(PatchIdentity { name: self.patch.clone(), sha256: patch_hash }),
             seeds: self.seeds.clone(),
             parameters: self.parameters.clone(),
             ..RunRecord::begin(format!("sampling {}", self.name), started, profile, link)
@@ -169,12 +158,8 @@ impl Outcome {
             }
             say!("report: {}", report.display());
         }
-        let failed: Vec<&str> = self
-            .checks
-            .iter()
-            .filter(|c| !c.holds)
-            .map(|c| c.statement.as_str())
-            .collect();
+        let failed: Vec<&str> =
+            self.checks.iter().filter(|c| !c.holds).map(|c| c.statement.as_str()).collect();
         if failed.is_empty() {
             return Ok(());
         }
@@ -186,17 +171,13 @@ impl Outcome {
 
     /// Checks are against theory of ideal converters: on another machine what fails is not judged.
     pub fn note_real_machine(&mut self, profile: &str) {
-        let (held, others): (Vec<Check>, Vec<Check>) = std::mem::take(&mut self.checks)
-            .into_iter()
-            .partition(|c| c.holds);
+        let (held, others): (Vec<Check>, Vec<Check>) =
+            std::mem::take(&mut self.checks).into_iter().partition(|c| c.holds);
         self.checks = held;
         self.not_judged = others
             .into_iter()
             .map(|c| {
-                format!(
-                    "not judged on {profile}, whose converters are not ideal: {}",
-                    c.statement
-                )
+                format!("not judged on {profile}, whose converters are not ideal: {}", c.statement)
             })
             .collect();
     }
@@ -209,11 +190,8 @@ impl Outcome {
     }
 
     fn json(&self) -> serde_json::Value {
-        let tables: serde_json::Map<String, serde_json::Value> = self
-            .tables
-            .iter()
-            .map(|t| (t.name.to_owned(), t.table.json()))
-            .collect();
+        let tables: serde_json::Map<String, serde_json::Value> =
+            self.tables.iter().map(|t| (t.name.to_owned(), t.table.json())).collect();
         let checks: Vec<serde_json::Value> = self
             .checks
             .iter()
@@ -261,11 +239,7 @@ impl Outcome {
 fn csv(table: &Table) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(table.headings.iter().map(|h| {
-        if h.unit.is_empty() {
-            h.label.clone()
-        } else {
-            format!("{} [{}]", h.label, h.unit)
-        }
+        if h.unit.is_empty() { h.label.clone() } else { format!("{} [{}]", h.label, h.unit) }
     }))?;
     for row in &table.rows {
         let cell = |i: usize| match row.get(i) {
@@ -275,7 +249,5 @@ fn csv(table: &Table) -> Result<Vec<u8>, csv::Error> {
         };
         writer.write_record((0..table.headings.len()).map(cell))?;
     }
-    writer
-        .into_inner()
-        .map_err(|e| csv::Error::from(e.into_error()))
+    writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))
 }

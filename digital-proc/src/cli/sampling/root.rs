@@ -38,12 +38,7 @@ pub struct Root {
     )]
     frame: Vec<Tick>,
     /// Latencies in frames, 0 to 1
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "0,0.5,1",
-        value_name = "FRAMES"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "0,0.5,1", value_name = "FRAMES")]
     latency: Vec<f64>,
 }
 
@@ -130,10 +125,7 @@ impl Measure for Root {
             }
         }
         progress.done();
-        let zeta = rows
-            .iter()
-            .map(|r| (r.zeta_measured - r.zeta_exact).abs())
-            .fold(0.0, f64::max);
+        let zeta = rows.iter().map(|r| (r.zeta_measured - r.zeta_exact).abs()).fold(0.0, f64::max);
         let omega = rows
             .iter()
             .map(|r| (r.omega_measured_rad_s / r.omega_exact_rad_s - 1.0).abs())

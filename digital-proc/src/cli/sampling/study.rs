@@ -52,21 +52,18 @@ impl Measure for Loop {
         let mut rows: Vec<LoopRow> = Vec::new();
         let mut progress = Progress::new(study.cases.len() as u64, "cases");
         for case in &study.cases {
-            let row = bench
-                .study_case(&study, &bundle, case)
-                .map_err(|fault| match fault {
-                    BenchFault::Lab(_)
-                    | BenchFault::Console(
-                        ConsoleFault::Refused(_) | ConsoleFault::RunFault { .. },
-                    ) => Failure::input(study.case_fault(case, &fault)),
-                    other => other.into(),
-                })?;
+            let row = bench.study_case(&study, &bundle, case).map_err(|fault| match fault {
+                BenchFault::Lab(_)
+                | BenchFault::Console(ConsoleFault::Refused(_) | ConsoleFault::RunFault { .. }) => {
+                    Failure::input(study.case_fault(case, &fault))
+                }
+                other => other.into(),
+            })?;
             let remarks: Vec<String> = row.remarks.iter().map(ToString::to_string).collect();
             table.row([
                 row.frame_s.into(),
                 row.latency_s.into(),
-                row.bits
-                    .map_or_else(|| Cell::from("ideal"), |b| f64::from(b).into()),
+                row.bits.map_or_else(|| Cell::from("ideal"), |b| f64::from(b).into()),
                 row.zeta.into(),
                 row.omega_rad_s.into(),
                 row.growth_per_cycle.into(),

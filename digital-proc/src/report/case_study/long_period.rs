@@ -11,10 +11,7 @@ use crate::study::long_period::results::LongPeriodResults;
 pub(super) fn sections(numbering: &mut Numbering, results: &CaseResults) -> Vec<Section> {
     let long = &results.long;
     vec![
-        Section::new(
-            "Trajectories (figure 6 of the paper)",
-            figure_6(numbering, long),
-        ),
+        Section::new("Trajectories (figure 6 of the paper)", figure_6(numbering, long)),
         Section::new("Flights and side-force fuel", flights(numbering, long)),
         Section::new(
             "Gain schedules (figures 7 and 8 of the paper)",

@@ -57,21 +57,14 @@ pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRec
     sections.extend(short_period::sections(&mut numbering, results));
     sections.extend(long_period::sections(&mut numbering, results));
     if let Some(dispersions) = &plan.dispersions {
-        sections.push(sensitivity::section(
-            &mut numbering,
-            &results.sensitivity,
-            dispersions,
-        ));
+        sections.push(sensitivity::section(&mut numbering, &results.sensitivity, dispersions));
     }
     let shown = |anchor: &str| {
         let id = format!("id=\"{anchor}\"");
         sections.iter().any(|s| s.body.0.contains(&id))
     };
     let claims = report_claims(&results.claims(), shown);
-    sections.insert(
-        0,
-        Section::new("Claims of the paper", claims_section(&claims)),
-    );
+    sections.insert(0, Section::new("Claims of the paper", claims_section(&claims)));
     sections.push(Section::new("Provenance", provenance(record)));
     let (short, flights) = (&plan.short, plan.long.flights());
     page(

@@ -25,10 +25,7 @@ pub(super) fn sections(numbering: &mut Numbering, results: &CaseResults) -> Vec<
         sections.push(Section::new("Pitch loop (figure 4 of the paper)", figure));
     }
     if let Some(figure) = figure_5(numbering, results) {
-        sections.push(Section::new(
-            "Yaw and roll loops (figure 5 of the paper)",
-            figure,
-        ));
+        sections.push(Section::new("Yaw and roll loops (figure 5 of the paper)", figure));
     }
     let (worst, drawn) = worst_responses(numbering, outcome);
     let tables = matrices(numbering, outcome, &drawn);
@@ -60,11 +57,7 @@ fn pitch_runs<'a>(
             let run = outcome.pitch_run(point, name, true)?;
             let case = &outcome.plan.pitch[run];
             let title = &outcome.plan.conditions[case.condition].title;
-            let title = if title.is_empty() {
-                *name
-            } else {
-                title.as_str()
-            };
+            let title = if title.is_empty() { *name } else { title.as_str() };
             Some((title.to_owned(), outcome.answers.pitch.get(run)?))
         })
         .collect()
@@ -127,9 +120,8 @@ fn figure_5(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
             Some((name.to_owned(), outcome.answers.yaw_roll.get(run)?, run))
         })
         .collect();
-    let travel = runs
-        .first()
-        .map(|(_, _, run)| outcome.plan.yaw_roll[*run].settings.plane.tip_travel);
+    let travel =
+        runs.first().map(|(_, _, run)| outcome.plan.yaw_roll[*run].settings.plane.tip_travel);
     let named: Vec<_> = runs.iter().map(|(n, r, _)| (n.clone(), *r)).collect();
     let at = place(outcome, point);
     let figures = yaw_roll_figures(numbering, "figure-5", &format!("at {at}"), &named, travel);
@@ -162,10 +154,8 @@ fn worst_responses(numbering: &mut Numbering, outcome: &Outcome) -> (Markup, Dra
     for (condition, point, residual) in cells {
         let entry = &plan.conditions[condition];
         let name = format!("{} at {}", entry.name, place(outcome, point));
-        let id = format!(
-            "response-{}",
-            anchor(&format!("{} {}", entry.name, plan.points[point].name))
-        );
+        let id =
+            format!("response-{}", anchor(&format!("{} {}", entry.name, plan.points[point].name)));
         let runs = pitch_runs(outcome, point, &[NORMAL, &entry.name]);
         let figures = pitch_pair(numbering, &id, &name, &runs);
         parts.push((name, residual, figures));

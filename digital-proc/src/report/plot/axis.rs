@@ -33,12 +33,7 @@ impl Axis {
     /// A linear axis that fits its data.
     #[must_use]
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Axis {
-        Axis {
-            label: label.into(),
-            unit: unit.into(),
-            scale: Scale::Linear,
-            range: None,
-        }
+        Axis { label: label.into(), unit: unit.into(), scale: Scale::Linear, range: None }
     }
 
     /// The same, logarithmic.
@@ -128,25 +123,14 @@ impl Axis {
             .map(|tick| {
                 let text = format!("{:.decimals$}", tick / 10f64.powi(exponent) + 0.0);
                 // A tick at zero may carry the sign of a rounding.
-                if text
-                    .trim_start_matches('-')
-                    .chars()
-                    .all(|c| c == '0' || c == '.')
-                {
+                if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
                     text.trim_start_matches('-').to_owned()
                 } else {
                     text.replace('-', "−")
                 }
             })
             .collect();
-        FittedAxis {
-            low,
-            high,
-            ticks,
-            labels,
-            minor: Vec::new(),
-            title: self.title(exponent),
-        }
+        FittedAxis { low, high, ticks, labels, minor: Vec::new(), title: self.title(exponent) }
     }
 
     fn logarithmic(&self, low: f64, high: f64, about: usize) -> FittedAxis {
@@ -156,9 +140,9 @@ impl Axis {
         let (mut ticks, mut labels, mut minor) = (Vec::new(), Vec::new(), Vec::new());
         // Below two decades the steps 2 and 5 are labelled; below a third of one, tenths.
         let between: &[f64] = match high - low {
-            span if span < 0.35 => &[
-                1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0,
-            ],
+            span if span < 0.35 => {
+                &[1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
+            }
             span if span < 2.05 => &[1.0, 2.0, 5.0],
             _ => &[1.0],
         };
@@ -182,14 +166,7 @@ impl Axis {
                 labels.push(decade_label(decade, 1.0));
             }
         }
-        FittedAxis {
-            low,
-            high,
-            ticks,
-            labels,
-            minor,
-            title: self.title(0),
-        }
+        FittedAxis { low, high, ticks, labels, minor, title: self.title(0) }
     }
 
     /// `Altitude (km)`; a common power of ten of the labels goes with the unit.
@@ -199,11 +176,7 @@ impl Axis {
             (0, unit) => unit.to_owned(),
             (e, unit) => format!("10{} {unit}", superscript(e)).trim_end().to_owned(),
         };
-        if self.label.is_empty() {
-            unit
-        } else {
-            format!("{} ({unit})", self.label)
-        }
+        if self.label.is_empty() { unit } else { format!("{} ({unit})", self.label) }
     }
 }
 
@@ -221,11 +194,7 @@ pub(super) struct FittedAxis {
 impl FittedAxis {
     /// The longest label, in characters.
     pub(super) fn widest(&self) -> usize {
-        self.labels
-            .iter()
-            .map(|label| label.chars().count())
-            .max()
-            .unwrap_or(1)
+        self.labels.iter().map(|label| label.chars().count()).max().unwrap_or(1)
     }
 }
 
@@ -240,11 +209,7 @@ impl Ranged for FittedAxis {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() {
-            self.minor.clone()
-        } else {
-            self.ticks.clone()
-        }
+        if hint.weight().allow_light_points() { self.minor.clone() } else { self.ticks.clone() }
     }
 
     fn range(&self) -> Range<f64> {
@@ -308,13 +273,8 @@ mod tests {
         let axis = Axis::new("Q", "Pa").fit([0.0, 95_000_000.0].into_iter(), 6, 0.0);
         assert_eq!(axis.labels, ["0", "20", "40", "60", "80"]);
         assert_eq!(axis.title, "Q (10⁶ Pa)");
-        let axis = Axis::new("Error", "")
-            .log()
-            .fit([-6.0, -1.0].into_iter(), 6, 0.0);
-        assert_eq!(
-            axis.labels,
-            ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1"]
-        );
+        let axis = Axis::new("Error", "").log().fit([-6.0, -1.0].into_iter(), 6, 0.0);
+        assert_eq!(axis.labels, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1"]);
     }
 
     proptest! {

@@ -61,18 +61,13 @@ impl Role {
 
     /// The class that the style sheet knows for a marker colour `#01KKSS`.
     fn class(hex: &str) -> Option<String> {
-        const NAMES: [&str; 14] = [
-            "ax", "gr", "gm", "tt", "at", "ti", "lg", "li", "lt", "mk", "mt", "l", "m", "b",
-        ];
+        const NAMES: [&str; 14] =
+            ["ax", "gr", "gm", "tt", "at", "ti", "lg", "li", "lt", "mk", "mt", "l", "m", "b"];
         let hex = hex.strip_prefix("#01")?;
         let kind = usize::from_str_radix(hex.get(..2)?, 16).ok()?;
         let style = u8::from_str_radix(hex.get(2..4)?, 16).ok()?;
         let name = *NAMES.get(kind)?;
-        Some(if kind >= 11 {
-            format!("{name}{style}")
-        } else {
-            name.to_owned()
-        })
+        Some(if kind >= 11 { format!("{name}{style}") } else { name.to_owned() })
     }
 
     fn stroke(self) -> ShapeStyle {
@@ -158,10 +153,7 @@ pub(super) fn frame(
     headroom: i32,
     draw: impl FnOnce(&Canvas<'_>),
 ) -> Markup {
-    let (width, height) = (
-        i32::from(size.width) * UNITS,
-        i32::from(size.height) * UNITS,
-    );
+    let (width, height) = (i32::from(size.width) * UNITS, i32::from(size.height) * UNITS);
     let left = 300 + y.widest() as i32 * CHARACTER + 60;
     let right = width - 160;
     let (rows, placed) = lay_out_legend(keys, left, right);
@@ -211,13 +203,7 @@ pub(super) fn frame(
             if let Some(style) = key.bar {
                 canvas.bar((x0 + 100, y0 - 60), (x0 + 260, y0 + 60), style);
             }
-            canvas.text(
-                &key.name,
-                (x0 + 430, y0),
-                Role::LegendText,
-                HPos::Left,
-                VPos::Center,
-            );
+            canvas.text(&key.name, (x0 + 430, y0), Role::LegendText, HPos::Left, VPos::Center);
         }
         draw(&canvas);
         let _ = canvas.root.present();
@@ -264,10 +250,7 @@ fn with_classes(svg: &str, title: &str) -> String {
             let Some(length) = rest[start + 2..].find('"') else {
                 break;
             };
-            let (name, value) = (
-                &rest[name_start..start],
-                &rest[start + 2..start + 2 + length],
-            );
+            let (name, value) = (&rest[name_start..start], &rest[start + 2..start + 2 + length]);
             out.push_str(rest[..name_start].trim_end_matches(' '));
             match (name, Role::class(value)) {
                 ("fill" | "stroke", Some(class)) => {

@@ -17,10 +17,7 @@ impl Compared {
     /// Without points.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Compared {
-        Compared {
-            name: name.into(),
-            ..Compared::default()
-        }
+        Compared { name: name.into(), ..Compared::default() }
     }
 
     /// Adds an abscissa at which there are both.
@@ -32,11 +29,7 @@ impl Compared {
     }
 
     fn named(&self, what: &str) -> String {
-        if self.name.is_empty() {
-            what.to_owned()
-        } else {
-            format!("{}, {what}", self.name)
-        }
+        if self.name.is_empty() { what.to_owned() } else { format!("{}, {what}", self.name) }
     }
 }
 

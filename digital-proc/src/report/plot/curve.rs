@@ -27,12 +27,7 @@ impl Curve {
         }
         runs.retain(|run| !run.is_empty());
         let ascending = runs.iter().flatten().is_sorted_by(|a, b| a.0 <= b.0);
-        Curve {
-            runs,
-            draw: series.draw,
-            style,
-            ascending,
-        }
+        Curve { runs, draw: series.draw, style, ascending }
     }
 
     pub(super) fn draw(&self, canvas: &Canvas<'_>) {
@@ -46,10 +41,7 @@ impl Curve {
                     .collect()
             } else {
                 let all: Vec<(i32, i32)> = run.iter().map(|p| canvas.at(p.0, p.1)).collect();
-                decimate::spaced(&all, 5)
-                    .into_iter()
-                    .map(|i| all[i])
-                    .collect()
+                decimate::spaced(&all, 5).into_iter().map(|i| all[i]).collect()
             };
             if matches!(self.draw, Draw::Markers | Draw::LineAndMarkers) {
                 markers.extend_from_slice(&points);
@@ -117,10 +109,7 @@ fn clipped(points: &[(i32, i32)], area: (i32, i32, i32, i32)) -> Vec<Vec<(i32, i
             continue;
         }
         let at = |share: f64| {
-            (
-                from.0 + (dx * share).round() as i32,
-                from.1 + (dy * share).round() as i32,
-            )
+            (from.0 + (dx * share).round() as i32, from.1 + (dy * share).round() as i32)
         };
         let (start, end) = (at(enter), at(leave));
         match pieces.last_mut() {

@@ -23,11 +23,7 @@ impl HeatCell {
     /// A cell without a link that violates nothing.
     #[must_use]
     pub fn new(value: f64) -> HeatCell {
-        HeatCell {
-            value,
-            violated: false,
-            href: None,
-        }
+        HeatCell { value, violated: false, href: None }
     }
 }
 
@@ -53,25 +49,14 @@ pub struct HeatMap {
 /// The matrix as a table with its colour scale.
 #[must_use]
 pub fn heat_map(map: &HeatMap) -> Markup {
-    let finite = map
-        .cells
-        .iter()
-        .flatten()
-        .map(|c| c.value)
-        .filter(|v| v.is_finite());
+    let finite = map.cells.iter().flatten().map(|c| c.value).filter(|v| v.is_finite());
     let (low, high) = map.scale.unwrap_or_else(|| {
-        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        })
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
     });
     // Half before subtracting: the span of two finite numbers may overflow.
     let tint = |value: f64| {
         let share = (value / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0);
-        if share.is_finite() {
-            (share.clamp(0.0, 1.0) * 100.0).round()
-        } else {
-            0.0
-        }
+        if share.is_finite() { (share.clamp(0.0, 1.0) * 100.0).round() } else { 0.0 }
     };
     let blank = HeatCell::new(f64::NAN);
     html! {

@@ -39,17 +39,9 @@ pub fn histogram(spec: &Histogram) -> Markup {
     }
     let highest = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
     let counting = Axis {
-        scale: if spec.log_counts {
-            Scale::Log
-        } else {
-            Scale::Linear
-        },
+        scale: if spec.log_counts { Scale::Log } else { Scale::Linear },
         // Half a count is the foot of a logarithmic bar, so that one count shows.
-        range: Some(if spec.log_counts {
-            (0.5, highest * 1.5)
-        } else {
-            (0.0, highest * 1.05)
-        }),
+        range: Some(if spec.log_counts { (0.5, highest * 1.5) } else { (0.0, highest * 1.05) }),
         ..Axis::new("Count", "")
     };
     let y = counting.fit(std::iter::empty(), 6, 0.0);

@@ -40,13 +40,7 @@ impl Series {
     /// A curve drawn as a line.
     #[must_use]
     pub fn line(name: impl Into<String>, x: &[f64], y: &[f64]) -> Series {
-        Series {
-            name: name.into(),
-            x: x.to_vec(),
-            y: y.to_vec(),
-            draw: Draw::Line,
-            style: None,
-        }
+        Series { name: name.into(), x: x.to_vec(), y: y.to_vec(), draw: Draw::Line, style: None }
     }
 
     /// Points drawn as markers.
@@ -105,15 +99,9 @@ pub struct Size {
 
 impl Size {
     /// A figure of its own.
-    pub const FULL: Size = Size {
-        width: 760,
-        height: 400,
-    };
+    pub const FULL: Size = Size { width: 760, height: 400 };
     /// One of two side by side.
-    pub const HALF: Size = Size {
-        width: 540,
-        height: 330,
-    };
+    pub const HALF: Size = Size { width: 540, height: 330 };
 }
 
 /// What a chart shows.
@@ -153,20 +141,14 @@ impl LineChart {
     /// The same with a limit line.
     #[must_use]
     pub fn limit(mut self, value: f64, name: impl Into<String>) -> LineChart {
-        self.limits.push(Limit {
-            value,
-            name: name.into(),
-        });
+        self.limits.push(Limit { value, name: name.into() });
         self
     }
 
     /// The same with an event mark.
     #[must_use]
     pub fn mark(mut self, x: f64, name: impl Into<String>) -> LineChart {
-        self.marks.push(Mark {
-            x,
-            name: name.into(),
-        });
+        self.marks.push(Mark { x, name: name.into() });
         self
     }
 
@@ -191,15 +173,9 @@ pub fn line_chart(chart: &LineChart) -> Markup {
         .map(|(i, series)| Curve::new(chart, series, series.style.unwrap_or(i) % STYLES))
         .collect();
     let points = || curves.iter().flat_map(|curve| curve.runs.iter().flatten());
-    let marked = chart
-        .series
-        .iter()
-        .any(|series| series.draw == Draw::Markers);
-    let limits: Vec<f64> = chart
-        .limits
-        .iter()
-        .filter_map(|limit| chart.y.map(limit.value))
-        .collect();
+    let marked = chart.series.iter().any(|series| series.draw == Draw::Markers);
+    let limits: Vec<f64> =
+        chart.limits.iter().filter_map(|limit| chart.y.map(limit.value)).collect();
     let x = chart.x.fit(
         points().map(|point| point.0),
         usize::from(chart.size.width) / 80,
@@ -224,32 +200,18 @@ pub fn line_chart(chart: &LineChart) -> Markup {
         })
         .collect();
     let headroom = if chart.marks.is_empty() { 0 } else { MARK_ROW };
-    frame(
-        &chart.title,
-        chart.size,
-        &x,
-        &y,
-        &keys,
-        headroom,
-        |canvas| {
-            draw_marks(canvas, chart);
-            draw_limits(canvas, chart);
-            for curve in &curves {
-                curve.draw(canvas);
-            }
-            if points().next().is_none() {
-                let (left, top, right, bottom) = canvas.area;
-                let middle = ((left + right) / 2, (top + bottom) / 2);
-                canvas.text(
-                    "no data",
-                    middle,
-                    Role::MarkText,
-                    HPos::Center,
-                    VPos::Center,
-                );
-            }
-        },
-    )
+    frame(&chart.title, chart.size, &x, &y, &keys, headroom, |canvas| {
+        draw_marks(canvas, chart);
+        draw_limits(canvas, chart);
+        for curve in &curves {
+            curve.draw(canvas);
+        }
+        if points().next().is_none() {
+            let (left, top, right, bottom) = canvas.area;
+            let middle = ((left + right) / 2, (top + bottom) / 2);
+            canvas.text("no data", middle, Role::MarkText, HPos::Center, VPos::Center);
+        }
+    })
 }
 
 fn draw_limits(canvas: &Canvas<'_>, chart: &LineChart) {
@@ -273,13 +235,7 @@ fn draw_limits(canvas: &Canvas<'_>, chart: &LineChart) {
             (above, VPos::Bottom)
         };
         labelled.push(at);
-        canvas.text(
-            &limit.name,
-            (right - 40, at),
-            Role::LimitText,
-            HPos::Right,
-            anchor,
-        );
+        canvas.text(&limit.name, (right - 40, at), Role::LimitText, HPos::Right, anchor);
     }
 }
 
@@ -298,26 +254,15 @@ fn draw_marks(canvas: &Canvas<'_>, chart: &LineChart) {
         canvas.path(vec![(x, top), (x, bottom)], Role::Mark);
         let width = name.chars().count() as i32 * CHARACTER;
         let before = x + 40 + width > right;
-        let (start, end) = if before {
-            (x - 40 - width, x)
-        } else {
-            (x, x + 80 + width)
-        };
-        let row = row_ends
-            .iter()
-            .position(|&row_end| row_end <= start)
-            .unwrap_or(row_ends.len());
+        let (start, end) = if before { (x - 40 - width, x) } else { (x, x + 80 + width) };
+        let row = row_ends.iter().position(|&row_end| row_end <= start).unwrap_or(row_ends.len());
         if row == row_ends.len() {
             row_ends.push(end);
         } else {
             row_ends[row] = end;
         }
         let at = top - 30 + row as i32 * MARK_ROW;
-        let (at_x, anchor) = if before {
-            (x - 30, HPos::Right)
-        } else {
-            (x + 30, HPos::Left)
-        };
+        let (at_x, anchor) = if before { (x - 30, HPos::Right) } else { (x + 30, HPos::Left) };
         canvas.text(name, (at_x, at), Role::MarkText, anchor, VPos::Bottom);
     }
 }
@@ -330,13 +275,8 @@ mod tests {
     use super::*;
 
     fn any_chart() -> impl Strategy<Value = LineChart> {
-        let value = prop_oneof![
-            any::<f64>(),
-            Just(f64::NAN),
-            Just(f64::INFINITY),
-            Just(0.0),
-            -1e3..1e3
-        ];
+        let value =
+            prop_oneof![any::<f64>(), Just(f64::NAN), Just(f64::INFINITY), Just(0.0), -1e3..1e3];
         let values = || proptest::collection::vec(value.clone(), 0..1_200);
         let series = (values(), values(), 0..4_usize).prop_map(|(x, y, draw)| {
             let draw = [Draw::Line, Draw::Step, Draw::Markers, Draw::LineAndMarkers][draw];
@@ -347,17 +287,11 @@ mod tests {
             scale: if log { Scale::Log } else { Scale::Linear },
             ..Axis::new("x", "m/s²")
         });
-        (
-            axis.clone(),
-            axis,
-            proptest::collection::vec(series, 0..4),
-            any::<f64>(),
+        (axis.clone(), axis, proptest::collection::vec(series, 0..4), any::<f64>()).prop_map(
+            |(x, y, series, at)| {
+                LineChart::new("t", x, y, series).limit(at, "limit").mark(at, "mark")
+            },
         )
-            .prop_map(|(x, y, series, at)| {
-                LineChart::new("t", x, y, series)
-                    .limit(at, "limit")
-                    .mark(at, "mark")
-            })
     }
 
     proptest! {

@@ -36,28 +36,19 @@ pub fn tornado(spec: &Tornado) -> Markup {
     let span = |bar: &TornadoBar| {
         let reach = [bar.low, bar.high, spec.nominal].map(|v| spec.x.map(v));
         let all = reach.iter().flatten();
-        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-            (l.min(v), h.max(v))
-        });
+        let (low, high) =
+            all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         high - low
     };
     bars.sort_by(|a, b| span(b).total_cmp(&span(a)));
     let values = bars.iter().flat_map(|bar| [bar.low, bar.high]);
     let mut axis = spec.x.clone();
     axis.range = None;
-    let fitted = axis.fit(
-        values.chain([spec.nominal]).filter_map(|v| axis.map(v)),
-        7,
-        0.0,
-    );
+    let fitted = axis.fit(values.chain([spec.nominal]).filter_map(|v| axis.map(v)), 7, 0.0);
     // Room for the values written outside the bars' ends.
     let room = (fitted.high - fitted.low) * 0.16;
     let (low, high) = (fitted.low - room, fitted.high + room);
-    let longest = bars
-        .iter()
-        .map(|b| b.name.chars().count())
-        .max()
-        .unwrap_or(0);
+    let longest = bars.iter().map(|b| b.name.chars().count()).max().unwrap_or(0);
     let left = (longest as f64 * 7.6 + 24.0).clamp(120.0, 374.0);
     let right = 745.0;
     let (top, pitch) = (84.0, 27.0);
@@ -123,11 +114,7 @@ mod tests {
 
     #[test]
     fn bars_are_ranked_by_span() {
-        let bar = |name: &str, low, high| TornadoBar {
-            name: name.to_owned(),
-            low,
-            high,
-        };
+        let bar = |name: &str, low, high| TornadoBar { name: name.to_owned(), low, high };
         let svg = tornado(&Tornado {
             title: "t".to_owned(),
             x: Axis::new("Overshoot", "%"),

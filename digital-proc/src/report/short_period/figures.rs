@@ -101,11 +101,8 @@ fn panels<const N: usize>(
                 .iter()
                 .map(|(name, response)| {
                     let time: Vec<f64> = (0..response.len()).map(|i| response.time_s(i)).collect();
-                    let values: Vec<f64> = response
-                        .channel(channel)
-                        .iter()
-                        .map(|v| v * factor)
-                        .collect();
+                    let values: Vec<f64> =
+                        response.channel(channel).iter().map(|v| v * factor).collect();
                     let name = if runs.len() > 1 { name.as_str() } else { "" };
                     Series::line(name, &time, &values)
                 })
@@ -114,19 +111,12 @@ fn panels<const N: usize>(
                 limits: limits
                     .iter()
                     .filter(|limit| limit.0 == channel)
-                    .map(|&(_, value, name)| Limit {
-                        value,
-                        name: name.to_owned(),
-                    })
+                    .map(|&(_, value, name)| Limit { value, name: name.to_owned() })
                     .collect(),
                 size: Size::HALF,
                 ..LineChart::new("", Axis::new("Time", "s"), Axis::new(label, unit), series)
             };
-            let anchor = if n == 0 {
-                id.to_owned()
-            } else {
-                format!("{id}-{n}")
-            };
+            let anchor = if n == 0 { id.to_owned() } else { format!("{id}-{n}") };
             numbering.figure(&anchor, &format!("{label}, {where_}."), line_chart(&chart))
         })
         .collect();

@@ -43,10 +43,7 @@ pub fn short_period_report(title: &str, outcome: &Outcome, record: &RunRecord) -
             agreement_section(&mut numbering, outcome),
         ));
     }
-    sections.push(Section::new(
-        "Responses",
-        responses(&mut numbering, outcome),
-    ));
+    sections.push(Section::new("Responses", responses(&mut numbering, outcome)));
     sections.push(Section::new("Provenance", provenance(record)));
     page(
         title,
@@ -86,10 +83,8 @@ fn responses(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
     let drawn = drawn_points(outcome);
     let mut parts: Vec<(String, Markup)> = Vec::new();
     for &point in &drawn {
-        let place = format!(
-            "{} ({:.1} s)",
-            plan.points[point].name, plan.points[point].slice.time_s
-        );
+        let place =
+            format!("{} ({:.1} s)", plan.points[point].name, plan.points[point].slice.time_s);
         let id = anchor(&plan.points[point].name);
         let pitch: Vec<Named<'_, _>> = plan
             .pitch
@@ -116,13 +111,8 @@ fn responses(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
             })
             .collect();
         for (n, group) in yaw_roll.chunks(MOST_RUNS).enumerate() {
-            let figures = yaw_roll_figures(
-                numbering,
-                &format!("{id}-yaw-roll-{n}"),
-                &place,
-                group,
-                None,
-            );
+            let figures =
+                yaw_roll_figures(numbering, &format!("{id}-yaw-roll-{n}"), &place, group, None);
             parts.push((format!("Yaw and roll loops at {place}"), figures));
         }
     }
@@ -152,8 +142,5 @@ fn drawn_points(outcome: &Outcome) -> Vec<usize> {
             residual(a.1.residual).total_cmp(&residual(b.1.residual))
         })
         .map(|(case, _)| case.point);
-    worst
-        .or_else(|| plan.yaw_roll.first().map(|c| c.point))
-        .into_iter()
-        .collect()
+    worst.or_else(|| plan.yaw_roll.first().map(|c| c.point)).into_iter().collect()
 }

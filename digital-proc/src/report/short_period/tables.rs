@@ -30,12 +30,7 @@ pub fn pitch_table(outcome: &Outcome) -> Table {
         table.row([
             outcome.plan.points[case.point].name.as_str().into(),
             outcome.plan.conditions[case.condition].name.as_str().into(),
-            if case.disturbed {
-                "disturbed"
-            } else {
-                "step only"
-            }
-            .into(),
+            if case.disturbed { "disturbed" } else { "step only" }.into(),
             percent(m.overshoot),
             number(m.settling_s),
             percent(m.residual),
@@ -109,13 +104,9 @@ pub fn agreement_table(outcome: &Outcome) -> Table {
         let name = plan.pitch_name(&plan.pitch[agreement.run]);
         let mut row: Vec<Cell> = vec![name.into(), range(agreement.gains).into()];
         row.extend(match agreement.compared {
-            Compared::Response { attitude, .. } => [
-                (100.0 * attitude).into(),
-                "".into(),
-                "".into(),
-                "".into(),
-                "".into(),
-            ],
+            Compared::Response { attitude, .. } => {
+                [(100.0 * attitude).into(), "".into(), "".into(), "".into(), "".into()]
+            }
             Compared::Decay { measured, root } => [
                 "".into(),
                 root.frequency_radps().into(),
@@ -142,11 +133,7 @@ fn range(gains: ChannelGains) -> &'static str {
 /// How a run shares the tips.
 #[must_use]
 pub fn allocation(case: &YawRollCase) -> &'static str {
-    if case.settings.dedicated {
-        "roll only"
-    } else {
-        "shared"
-    }
+    if case.settings.dedicated { "roll only" } else { "shared" }
 }
 
 /// The same table with a dash for each number that does not exist, for a terminal.

@@ -100,12 +100,7 @@ impl QuantisationSetting {
     /// # Errors
     /// For numbers out of range.
     pub fn plan(&self) -> Result<RunPlan, LabError> {
-        require(
-            "the bits",
-            f64::from(self.bits),
-            (2..=24).contains(&self.bits),
-            "2 to 24",
-        )?;
+        require("the bits", f64::from(self.bits), (2..=24).contains(&self.bits), "2 to 24")?;
         require(
             "the frames",
             f64::from(self.frames),
@@ -114,10 +109,7 @@ impl QuantisationSetting {
         )?;
         Ok(RunPlan {
             patch: "lab/quantisation.toml",
-            params: vec![
-                ("full_scale", self.full_scale),
-                ("tau", 1.0 / self.corner_rad_s),
-            ],
+            params: vec![("full_scale", self.full_scale), ("tau", 1.0 / self.corner_rad_s)],
             frame: tick("the frame", self.frame_s)?,
             latency: Tick::ZERO,
             skew: Tick::ZERO,
@@ -131,12 +123,7 @@ impl QuantisationSetting {
     /// # Errors
     /// When the full scale is not positive.
     pub fn law(&self) -> Result<QuantisationLaw, LabError> {
-        require(
-            "the full scale",
-            self.full_scale,
-            self.full_scale > 0.0,
-            "> 0",
-        )?;
+        require("the full scale", self.full_scale, self.full_scale > 0.0, "> 0")?;
         Ok(QuantisationLaw {
             setting: *self,
             random: Xoshiro256PlusPlus::seed_from_u64(self.seed),
@@ -153,31 +140,19 @@ impl QuantisationSetting {
     #[must_use]
     pub fn rows(&self, law: &QuantisationLaw) -> Vec<VarianceRow> {
         let span = self.span_frames.max(1) as usize;
-        let growth: Vec<f64> = law
-            .integral
-            .windows(span + 1)
-            .map(|w| w[span] - w[0])
-            .collect();
+        let growth: Vec<f64> = law.integral.windows(span + 1).map(|w| w[span] - w[0]).collect();
         let step = noise::quantum(self.bits, self.full_scale);
         // The lag needs about 20/(aT) frames to become stationary.
         let settle = (20.0 / (self.corner_rad_s * self.frame_s)).ceil() as usize;
         let settled = law.lag.get(settle..).unwrap_or_default();
         [
-            (
-                "rounding error",
-                variance(&law.direct),
-                noise::quantisation_variance(step),
-            ),
+            ("rounding error", variance(&law.direct), noise::quantisation_variance(step)),
             (
                 "integral over the span",
                 variance(&growth),
                 noise::integrator_variance(step, self.frame_s, span as f64 * self.frame_s),
             ),
-            (
-                "lag",
-                variance(settled),
-                noise::lag_variance(step, self.frame_s, self.corner_rad_s),
-            ),
+            ("lag", variance(settled), noise::lag_variance(step, self.frame_s, self.corner_rad_s)),
         ]
         .into_iter()
         .map(|(quantity, measured, theory)| VarianceRow {

@@ -54,8 +54,7 @@ impl SkewLaw {
     pub fn step(&mut self, frame: u64, adc: &[f64], _updates: &mut Updates) {
         let at = |i: usize| adc.get(i).copied().unwrap_or(f64::NAN);
         let theta = self.setting.omega_rad_s * (frame as f64 * self.setting.frame_s);
-        self.errors
-            .push(angle_difference_rad(libm::atan2(at(0), at(1)), theta));
+        self.errors.push(angle_difference_rad(libm::atan2(at(0), at(1)), theta));
         self.theory.push(noise::resolver_skew_error_rad(
             self.setting.omega_rad_s,
             self.setting.skew_s,
@@ -95,11 +94,7 @@ impl SkewSetting {
     /// The digital side.
     #[must_use]
     pub fn law(&self) -> SkewLaw {
-        SkewLaw {
-            setting: *self,
-            errors: Vec::new(),
-            theory: Vec::new(),
-        }
+        SkewLaw { setting: *self, errors: Vec::new(), theory: Vec::new() }
     }
 
     /// Measured beside theory.
@@ -135,11 +130,7 @@ mod tests {
         for n in 0..512_u32 {
             let t = f64::from(n) * setting.frame_s;
             let adc = [(w * t).sin(), (w * (t + setting.skew_s)).cos()];
-            law.step(
-                u64::from(n),
-                &adc,
-                &mut Updates::new(u64::from(n), Tick::ZERO),
-            );
+            law.step(u64::from(n), &adc, &mut Updates::new(u64::from(n), Tick::ZERO));
         }
         let row = setting.row(&law);
         let second_order = (w * setting.skew_s).powi(2);

@@ -102,12 +102,8 @@ mod tests {
 
     #[test]
     fn staircase_of_a_coefficient() {
-        let setting = CoefficientSetting {
-            rate_per_s: 0.3,
-            frame_s: 0.1,
-            latency_s: 0.02,
-            stop_s: 2.0,
-        };
+        let setting =
+            CoefficientSetting { rate_per_s: 0.3, frame_s: 0.1, latency_s: 0.02, stop_s: 2.0 };
         let mut law = setting.law();
         let (mut held, mut sum, mut square) = (0.0, 0.0, 0.0);
         let fine = 100;
@@ -129,14 +125,8 @@ mod tests {
             }
         }
         let row = setting.row(sum, square);
-        assert!(
-            (row.mean_measured - row.mean_theory).abs() < 1e-12,
-            "{row:?}"
-        );
+        assert!((row.mean_measured - row.mean_theory).abs() < 1e-12, "{row:?}");
         // Midpoint sums of e² are low by (rate·T/100)²/12 = 7.5e-9 of 6e-4.
-        assert!(
-            (row.rms_measured / row.rms_theory - 1.0).abs() < 1e-4,
-            "{row:?}"
-        );
+        assert!((row.rms_measured / row.rms_theory - 1.0).abs() < 1e-4, "{row:?}");
     }
 }

@@ -47,18 +47,8 @@ pub(super) fn law(law: &Spanned<RawLaw>, faults: &mut Faults<'_>) -> Option<LawS
         }
     };
     let given = [
-        (
-            "inputs",
-            raw.inputs
-                .as_ref()
-                .map(|v| v.first().map_or(law.span(), Spanned::span)),
-        ),
-        (
-            "outputs",
-            raw.outputs
-                .as_ref()
-                .map(|v| v.first().map_or(law.span(), Spanned::span)),
-        ),
+        ("inputs", raw.inputs.as_ref().map(|v| v.first().map_or(law.span(), Spanned::span))),
+        ("outputs", raw.outputs.as_ref().map(|v| v.first().map_or(law.span(), Spanned::span))),
         ("input", raw.input.as_ref().map(Spanned::span)),
         ("output", raw.output.as_ref().map(Spanned::span)),
         ("gain", raw.gain.as_ref().map(Spanned::span)),
@@ -93,11 +83,7 @@ pub(super) fn law(law: &Spanned<RawLaw>, faults: &mut Faults<'_>) -> Option<LawS
         return None;
     }
     let list = |many: &Option<Vec<Spanned<String>>>, one: &Option<Spanned<String>>| {
-        many.iter()
-            .flatten()
-            .chain(one)
-            .map(named)
-            .collect::<Vec<_>>()
+        many.iter().flatten().chain(one).map(named).collect::<Vec<_>>()
     };
     let inputs = list(&raw.inputs, &raw.input);
     let outputs = list(&raw.outputs, &raw.output);
@@ -130,11 +116,7 @@ pub(super) fn law(law: &Spanned<RawLaw>, faults: &mut Faults<'_>) -> Option<LawS
             Element::Table(accepted(table, x.span(), faults)?)
         }
     };
-    Some(LawSpec {
-        inputs,
-        outputs,
-        element,
-    })
+    Some(LawSpec { inputs, outputs, element })
 }
 
 /// What was made of the values at `span`, or a fault there.
@@ -146,11 +128,7 @@ fn accepted<T>(
     match made {
         Ok(made) => return Some(made),
         Err(LabError::Setting { what, value, range }) => {
-            faults.add(
-                span,
-                format!("{what} is {value}"),
-                format!("it must be {range}"),
-            );
+            faults.add(span, format!("{what} is {value}"), format!("it must be {range}"));
         }
         Err(other) => faults.add(span, other.to_string(), "correct it here"),
     }
@@ -173,11 +151,10 @@ fn gain_matrix(
     outputs: usize,
     faults: &mut Faults<'_>,
 ) -> Option<Element> {
-    let rows: Option<Vec<Vec<f64>>> = value.get_ref().as_array().and_then(|rows| {
-        rows.iter()
-            .map(|r| r.as_array()?.iter().map(number).collect())
-            .collect()
-    });
+    let rows: Option<Vec<Vec<f64>>> = value
+        .get_ref()
+        .as_array()
+        .and_then(|rows| rows.iter().map(|r| r.as_array()?.iter().map(number).collect()).collect());
     match rows {
         Some(rows) if rows.len() == outputs && rows.iter().all(|r| r.len() == inputs) => {
             Some(Element::Gain(rows))

@@ -94,10 +94,7 @@ pub struct LoopCase {
 }
 
 fn named(s: &Spanned<String>) -> Named {
-    Named {
-        name: s.get_ref().clone(),
-        span: s.span(),
-    }
+    Named { name: s.get_ref().clone(), span: s.span() }
 }
 
 impl LoopStudy {
@@ -114,10 +111,7 @@ impl LoopStudy {
     }
 
     fn source(&self) -> Source<'_> {
-        Source {
-            file: &self.file,
-            text: &self.text,
-        }
+        Source { file: &self.file, text: &self.text }
     }
 
     /// A fault of the patch, at the place where the study names it.
@@ -133,8 +127,7 @@ impl LoopStudy {
     pub fn case_fault(&self, case: &LoopCase, cause: &dyn std::fmt::Display) -> FileFault {
         let fault = format!("frame {}, latency {}: {cause}", case.frame, case.latency);
         let remedy = "look at this study's patch, params, stop and sweep";
-        self.source()
-            .fault(self.measure.span.clone(), fault, remedy)
+        self.source().fault(self.measure.span.clone(), fault, remedy)
     }
 
     /// The law for one run, its channel names looked up in the loaded patch.
@@ -158,16 +151,8 @@ impl LoopStudy {
             .laws
             .iter()
             .map(|l| {
-                let inputs = l
-                    .inputs
-                    .iter()
-                    .map(|n| find(n, ChannelKind::Adc, "ADC"))
-                    .collect();
-                let outputs = l
-                    .outputs
-                    .iter()
-                    .map(|n| find(n, ChannelKind::Dac, "DAC"))
-                    .collect();
+                let inputs = l.inputs.iter().map(|n| find(n, ChannelKind::Adc, "ADC")).collect();
+                let outputs = l.outputs.iter().map(|n| find(n, ChannelKind::Dac, "DAC")).collect();
                 (inputs, outputs, l.element.clone())
             })
             .collect();
@@ -204,16 +189,9 @@ denominator = [1.0]
 "#;
 
     fn channels() -> Vec<Channel> {
-        let channel = |kind, name: &str| Channel {
-            kind,
-            name: name.to_owned(),
-            number: 0,
-            full_scale: None,
-        };
-        vec![
-            channel(ChannelKind::Adc, "x_adc"),
-            channel(ChannelKind::Dac, "u"),
-        ]
+        let channel =
+            |kind, name: &str| Channel { kind, name: name.to_owned(), number: 0, full_scale: None };
+        vec![channel(ChannelKind::Adc, "x_adc"), channel(ChannelKind::Dac, "u")]
     }
 
     /// A study that writes half-frame prediction as a difference equation finds the roots of theory.
@@ -254,48 +232,27 @@ denominator = [1.0]
             line
         };
         assert_eq!(line_of(&GOOD.replace("\"50ms\"", "\"50\""), "duration"), 9);
+        assert_eq!(line_of(&GOOD.replace("[0.0, 1.0]", "[0.0, 1.5]"), "1.5"), 10);
+        assert_eq!(line_of(&GOOD.replace("bits = [0]", "bits = [99]"), "99"), 11);
         assert_eq!(
-            line_of(&GOOD.replace("[0.0, 1.0]", "[0.0, 1.5]"), "1.5"),
-            10
-        );
-        assert_eq!(
-            line_of(&GOOD.replace("bits = [0]", "bits = [99]"), "99"),
-            11
-        );
-        assert_eq!(
-            line_of(
-                &GOOD.replace("difference-equation", "diference-equation"),
-                "unknown law"
-            ),
+            line_of(&GOOD.replace("difference-equation", "diference-equation"), "unknown law"),
             13
         );
-        assert_eq!(
-            line_of(&GOOD.replace("[1.0]\n", "[0.0]\n"), "denominator"),
-            17
-        );
-        assert_eq!(
-            line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"),
-            13
-        );
+        assert_eq!(line_of(&GOOD.replace("[1.0]\n", "[0.0]\n"), "denominator"), 17);
+        assert_eq!(line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"), 13);
         assert_eq!(line_of(&GOOD.replace("stop =", "stopp ="), "stopp"), 4);
         assert_eq!(line_of("patch = ", "string"), 1);
-        let many = GOOD
-            .replace("\"50ms\"", "\"50\"")
-            .replace("[0.0, 1.0]", "[2.0]");
+        let many = GOOD.replace("\"50ms\"", "\"50\"").replace("[0.0, 1.0]", "[2.0]");
         assert_eq!(parse("servo.toml", &many).unwrap_err().0.len(), 2);
-        let text = parse("servo.toml", &GOOD.replace("\"50ms\"", "\"50\""))
-            .unwrap_err()
-            .to_string();
+        let text =
+            parse("servo.toml", &GOOD.replace("\"50ms\"", "\"50\"")).unwrap_err().to_string();
         assert!(text.starts_with("servo.toml:9:10: "), "{text}");
     }
 
     #[test]
     fn unknown_channels_are_told_with_the_nearest_name() {
-        let study = parse(
-            "servo.toml",
-            &GOOD.replace("input = \"x_adc\"", "input = \"x_adk\""),
-        )
-        .unwrap();
+        let study =
+            parse("servo.toml", &GOOD.replace("input = \"x_adc\"", "input = \"x_adk\"")).unwrap();
         let faults = study.law(&channels()).unwrap_err();
         assert_eq!((faults.0.len(), faults.0[0].place.unwrap().0), (1, 14));
         assert!(faults.0[0].remedy.contains("x_adc"));

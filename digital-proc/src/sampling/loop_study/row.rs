@@ -125,9 +125,7 @@ impl LoopStudy {
         }
         let window = &record[start..end];
         let told = if window.len() < identify::SHORTEST {
-            Err(Remark::TooShort {
-                frames: window.len(),
-            })
+            Err(Remark::TooShort { frames: window.len() })
         } else {
             mode(window, case.frame.secs())?
         };
@@ -188,10 +186,9 @@ fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, LabError>
     // they were sought, and fails beyond.
     let used = judged.len().min(identify::LONGEST);
     let part = (2 * used / 3).max(identify::SHORTEST);
-    let (Some(all), Some(beyond)) = (
-        ModalFit::new(judged, &z),
-        ModalFit::new(judged, &sought(&judged[..part])?),
-    ) else {
+    let (Some(all), Some(beyond)) =
+        (ModalFit::new(judged, &z), ModalFit::new(judged, &sought(&judged[..part])?))
+    else {
         return Ok(Err(Remark::NoModes));
     };
     let fit = beyond.residual;
@@ -245,11 +242,7 @@ fn converter_step(record: &[f64]) -> f64 {
         let steps = v / step;
         (steps - steps.round()).abs() < 1e-3
     };
-    if step.is_finite() && record.iter().all(whole) {
-        step
-    } else {
-        0.0
-    }
+    if step.is_finite() && record.iter().all(whole) { step } else { 0.0 }
 }
 
 /// The record up to its last sample that stands well above the steps about where it comes to rest;
@@ -261,9 +254,7 @@ fn above_the_steps(record: &[f64], step: f64) -> Option<&[f64]> {
     let end = &record[record.len() - (record.len() / 10).max(1)..];
     let mean = end.iter().sum::<f64>() / end.len() as f64;
     let rest = (mean / step).round() * step;
-    let last = record
-        .iter()
-        .rposition(|v| (v - rest).abs() >= STEPS_HIGH * step)?;
+    let last = record.iter().rposition(|v| (v - rest).abs() >= STEPS_HIGH * step)?;
     (last + 1 >= identify::SHORTEST).then(|| &record[..=last])
 }
 
@@ -273,9 +264,8 @@ mod tests {
 
     #[test]
     fn the_step_of_a_converter_is_found_and_a_smooth_record_has_none() {
-        let smooth: Vec<f64> = (0..200)
-            .map(|n| (-0.02 * n as f64).exp() * (0.3 * n as f64).cos())
-            .collect();
+        let smooth: Vec<f64> =
+            (0..200).map(|n| (-0.02 * n as f64).exp() * (0.3 * n as f64).cos()).collect();
         assert_eq!(converter_step(&smooth), 0.0);
         let step = 4.0 / 4096.0;
         let coarse: Vec<f64> = smooth.iter().map(|v| (v / step).round() * step).collect();
@@ -285,9 +275,7 @@ mod tests {
         assert!(judged > 190);
         let step = 10.0 * step;
         let coarser: Vec<f64> = smooth.iter().map(|v| (v / step).round() * step).collect();
-        let judged = above_the_steps(&coarser, converter_step(&coarser))
-            .unwrap()
-            .len();
+        let judged = above_the_steps(&coarser, converter_step(&coarser)).unwrap().len();
         assert!((100..=120).contains(&judged), "{judged}");
         assert_eq!(converter_step(&[0.0; 20]), 0.0);
     }

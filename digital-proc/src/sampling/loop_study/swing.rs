@@ -49,17 +49,14 @@ impl Swing {
         };
         let (before, after) = (half(&tail[first..=middle]), half(&tail[middle..=last]));
         let alike = (before - after).abs() <= ALIKE * amplitude;
-        (alike && up.windows(2).all(regular)).then_some(Swing {
-            amplitude,
-            period_s: mean * period_s,
-        })
+        (alike && up.windows(2).all(regular))
+            .then_some(Swing { amplitude, period_s: mean * period_s })
     }
 }
 
 fn range(part: &[f64]) -> (f64, f64) {
     let start = (f64::INFINITY, f64::NEG_INFINITY);
-    part.iter()
-        .fold(start, |(low, high), v| (low.min(*v), high.max(*v)))
+    part.iter().fold(start, |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
 /// Samples at which the record comes from below the band about `mean` to above it.

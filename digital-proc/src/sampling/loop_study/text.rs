@@ -58,11 +58,7 @@ impl Faults<'_> {
         match value.get_ref().parse::<Tick>() {
             Ok(t) if t > Tick::ZERO => Some(t),
             Ok(t) => {
-                self.add(
-                    value.span(),
-                    format!("a duration of {t}"),
-                    "it must be above 0",
-                );
+                self.add(value.span(), format!("a duration of {t}"), "it must be above 0");
                 None
             }
             Err(e) => {
@@ -89,19 +85,12 @@ pub fn load(path: &Path) -> Result<LoopStudy, FileFaults> {
 pub fn parse(file: &str, text: &str) -> Result<LoopStudy, FileFaults> {
     let source = Source { file, text };
     let raw: Raw = source.parse()?;
-    let mut faults = Faults {
-        source,
-        list: Vec::new(),
-    };
+    let mut faults = Faults { source, list: Vec::new() };
     let stop = faults.duration(&raw.stop).unwrap_or(Tick::ZERO);
     let (from, until) = window(&raw, stop, &mut faults);
     let cases = cases(&raw.sweep, &mut faults);
     if raw.law.is_empty() {
-        faults.add(
-            raw.measure.span(),
-            "the study has no law",
-            "write at least one [[law]]",
-        );
+        faults.add(raw.measure.span(), "the study has no law", "write at least one [[law]]");
     }
     let mut laws = Vec::new();
     for law in &raw.law {
@@ -151,9 +140,7 @@ pub fn parse(file: &str, text: &str) -> Result<LoopStudy, FileFaults> {
 /// Start and end of the record that is judged; all of the run where they are not stated.
 fn window(raw: &Raw, stop: Tick, faults: &mut Faults<'_>) -> (Tick, Tick) {
     let mut stated = |at: &Option<Spanned<String>>, default: Tick| {
-        at.as_ref()
-            .and_then(|text| faults.duration(text))
-            .unwrap_or(default)
+        at.as_ref().and_then(|text| faults.duration(text)).unwrap_or(default)
     };
     let (from, until) = (stated(&raw.from, Tick::ZERO), stated(&raw.until, stop));
     let place = raw.from.as_ref().or(raw.until.as_ref());
@@ -170,11 +157,7 @@ fn window(raw: &Raw, stop: Tick, faults: &mut Faults<'_>) -> (Tick, Tick) {
 fn cases(sweep: &RawSweep, faults: &mut Faults<'_>) -> Vec<LoopCase> {
     let mut all = Vec::new();
     if sweep.frame.get_ref().is_empty() {
-        faults.add(
-            sweep.frame.span(),
-            "the sweep has no frame",
-            "list at least one, as \"20ms\"",
-        );
+        faults.add(sweep.frame.span(), "the sweep has no frame", "list at least one, as \"20ms\"");
     }
     if sweep.latency.as_ref().is_some_and(Vec::is_empty)
         || sweep.bits.as_ref().is_some_and(Vec::is_empty)

@@ -196,10 +196,7 @@ impl AlphaLoop {
         let step = |jump: &mut DMatrix<f64>, angle_for_force: &nalgebra::RowDVector<f64>| {
             jump.set_row(AD, &advanced);
             jump.set_row(F2, &row(F1));
-            jump.set_row(
-                F1,
-                &(row(Q) * r.direction - angle_for_force * r.force_slope),
-            );
+            jump.set_row(F1, &(row(Q) * r.direction - angle_for_force * r.force_slope));
         };
         match self.scheme {
             Scheme::Conventional => {
@@ -210,12 +207,7 @@ impl AlphaLoop {
                 jump.row_mut(E1).fill(0.0);
                 jump.row_mut(C_NEXT).fill(0.0);
             }
-            Scheme::Redundant {
-                gain,
-                delivery,
-                correction,
-                ..
-            } => {
+            Scheme::Redundant { gain, delivery, correction, .. } => {
                 jump.set_row(U_NEXT, &row(A));
                 if j == 0 {
                     step(&mut jump, &row(A));
@@ -244,8 +236,7 @@ impl AlphaLoop {
     /// # Errors
     /// As [`AlphaLoop::period_map`].
     pub fn exact_root(&self) -> Result<C64, TheoryError> {
-        self.period_map()?
-            .root_near(self.rotation.continuous_root())
+        self.period_map()?.root_near(self.rotation.continuous_root())
     }
 
     /// Stable when every |z| of the slow period is below 1.
@@ -366,11 +357,7 @@ mod tests {
             let shift = (r.exact_root().unwrap() - s0).norm();
             let slow = (conventional(omega, 0.05).exact_root().unwrap() - s0).norm();
             // An instant reset, a pulse and a spread correction differ among themselves by up to 0.003.
-            assert!(
-                (shift / slow - known).abs() < 0.003,
-                "{omega}: {}",
-                shift / slow
-            );
+            assert!((shift / slow - known).abs() < 0.003, "{omega}: {}", shift / slow);
         }
     }
 

@@ -81,10 +81,7 @@ impl Chain {
     /// against it: the sample is taken later and is younger at the transfer.
     #[must_use]
     pub fn transfer(&self, omega_rad_s: f64) -> C64 {
-        self.stages(omega_rad_s)
-            .iter()
-            .map(|(_, h, _, _)| *h)
-            .product()
+        self.stages(omega_rad_s).iter().map(|(_, h, _, _)| *h).product()
     }
 
     /// The budget, one row a stage and a last row `whole chain`.
@@ -121,44 +118,14 @@ impl Chain {
         };
         let t = self.frame_s;
         [
-            (
-                "multiplexer skew",
-                hold::delay(w, -self.skew_s),
-                -self.skew_s,
-                0.0,
-            ),
-            (
-                "aperture",
-                hold::aperture(w, self.aperture_s),
-                self.aperture_s / 2.0,
-                0.0,
-            ),
+            ("multiplexer skew", hold::delay(w, -self.skew_s), -self.skew_s, 0.0),
+            ("aperture", hold::aperture(w, self.aperture_s), self.aperture_s / 2.0, 0.0),
             ("analog-to-digital", one, 0.0, noise_of(self.adc)),
-            (
-                "latency",
-                hold::delay(w, self.latency_s),
-                self.latency_s,
-                0.0,
-            ),
-            (
-                "digital lead",
-                hold::lead(w, t, self.lead_frames),
-                -self.lead_frames * t,
-                0.0,
-            ),
+            ("latency", hold::delay(w, self.latency_s), self.latency_s, 0.0),
+            ("digital lead", hold::lead(w, t, self.lead_frames), -self.lead_frames * t, 0.0),
             ("digital-to-analog", one, 0.0, noise_of(self.dac)),
-            (
-                "hold",
-                self.hold.transfer(w, t),
-                self.hold.delay_frames() * t,
-                0.0,
-            ),
-            (
-                "settling",
-                hold::settling(w, self.settling_s),
-                self.settling_s,
-                0.0,
-            ),
+            ("hold", self.hold.transfer(w, t), self.hold.delay_frames() * t, 0.0),
+            ("settling", hold::settling(w, self.settling_s), self.settling_s, 0.0),
         ]
     }
 }
@@ -173,10 +140,7 @@ mod tests {
             frame_s: 0.01,
             skew_s: 1e-4,
             aperture_s: 2e-4,
-            adc: Some(Resolution {
-                bits: 14,
-                full_scale: 100.0,
-            }),
+            adc: Some(Resolution { bits: 14, full_scale: 100.0 }),
             latency_s: 0.004,
             lead_frames: 0.9,
             dac: None,
@@ -187,10 +151,7 @@ mod tests {
         for row in chain.budget(w) {
             // Phases are odd in x = ωT = 1e-3: the next term is of relative order x² = 1e-6.
             let slope = -row.phase_deg.to_radians() / w;
-            assert!(
-                (slope - row.delay_s).abs() < 2e-6 * chain.frame_s,
-                "{row:?}"
-            );
+            assert!((slope - row.delay_s).abs() < 2e-6 * chain.frame_s, "{row:?}");
         }
         let whole = chain.budget(w).pop().unwrap();
         assert!((whole.gain - chain.transfer(w).norm()).abs() < 1e-12);

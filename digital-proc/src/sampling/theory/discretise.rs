@@ -44,10 +44,7 @@ pub fn hold_discretise(
     block.view_mut((0, 0), (n, n)).copy_from(&(a * period_s));
     block.view_mut((0, n), (n, m)).copy_from(&(b * period_s));
     let e = matrix_exp(&block);
-    Ok((
-        e.view((0, 0), (n, n)).into_owned(),
-        e.view((0, n), (n, m)).into_owned(),
-    ))
+    Ok((e.view((0, 0), (n, n)).into_owned(), e.view((0, n), (n, m)).into_owned()))
 }
 
 /// Discretises with any delay `delay_s ≥ 0`, more than one frame included.
@@ -111,10 +108,9 @@ impl Discrete {
         let mut f = DMatrix::zeros(size, size);
         f.view_mut((0, 0), (n, n)).copy_from(&self.phi);
         // u_{n−i} is −K x_n for i = 0 and the stored block i − 1 otherwise.
-        for (i, gamma) in [
-            (self.whole_frames, &self.gamma_new),
-            (self.whole_frames + 1, &self.gamma_old),
-        ] {
+        for (i, gamma) in
+            [(self.whole_frames, &self.gamma_new), (self.whole_frames + 1, &self.gamma_old)]
+        {
             if i == 0 {
                 let mut x = f.view_mut((0, 0), (n, n));
                 x -= gamma * k;

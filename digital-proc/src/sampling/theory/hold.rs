@@ -63,11 +63,7 @@ impl Hold {
 #[must_use]
 pub fn sinc(y: f64) -> f64 {
     // Below 1e-4 the series 1 − y²/6 is exact to y⁴/120 < 1e-18.
-    if y.abs() < 1e-4 {
-        1.0 - y * y / 6.0
-    } else {
-        libm::sin(y) / y
-    }
+    if y.abs() < 1e-4 { 1.0 - y * y / 6.0 } else { libm::sin(y) / y }
 }
 
 /// A pure delay `e^{−jωτ}`.
@@ -155,10 +151,7 @@ mod tests {
                 .sum();
             let projected = sum * (h / 3.0 / frame);
             // Simpson: (ωh)⁴ x²/180 ≈ 1e-13.
-            assert!(
-                (projected - hold.transfer(omega, frame)).norm() < 1e-11,
-                "{hold:?}"
-            );
+            assert!((projected - hold.transfer(omega, frame)).norm() < 1e-11, "{hold:?}");
         }
     }
 }

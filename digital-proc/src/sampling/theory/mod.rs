@@ -88,10 +88,7 @@ pub fn equivalent_root(z: C64, period_s: f64) -> C64 {
 /// Roots of a real map come in conjugate pairs, so the target picks the half plane.
 #[must_use]
 pub fn nearest_root(roots: &[C64], target: C64) -> Option<C64> {
-    roots
-        .iter()
-        .copied()
-        .min_by(|a, b| (a - target).modulus().total_cmp(&(b - target).modulus()))
+    roots.iter().copied().min_by(|a, b| (a - target).modulus().total_cmp(&(b - target).modulus()))
 }
 
 pub(crate) fn in_range(
@@ -100,21 +97,13 @@ pub(crate) fn in_range(
     ok: bool,
     range: &'static str,
 ) -> Result<f64, TheoryError> {
-    if ok && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(TheoryError::Range { what, value, range })
-    }
+    if ok && value.is_finite() { Ok(value) } else { Err(TheoryError::Range { what, value, range }) }
 }
 
 /// A frame period above zero and a latency of at most one frame, s.
 pub(crate) fn frame_and_latency(frame_s: f64, latency_s: f64) -> Result<(f64, f64), TheoryError> {
     let frame = in_range("the frame", frame_s, frame_s > 0.0, "> 0 s")?;
-    let latency = in_range(
-        "the latency",
-        latency_s,
-        (0.0..=frame).contains(&latency_s),
-        "0 to one frame",
-    )?;
+    let latency =
+        in_range("the latency", latency_s, (0.0..=frame).contains(&latency_s), "0 to one frame")?;
     Ok((frame, latency))
 }

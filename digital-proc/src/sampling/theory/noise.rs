@@ -64,9 +64,8 @@ mod tests {
         // mean and low by (T/n)²/12 in the mean square.
         let (rate, t, tau) = (2.0, 0.1, 0.03);
         let n = 1000;
-        let errors: Vec<f64> = (0..n)
-            .map(|i| rate * (tau + t * (f64::from(i) + 0.5) / f64::from(n)))
-            .collect();
+        let errors: Vec<f64> =
+            (0..n).map(|i| rate * (tau + t * (f64::from(i) + 0.5) / f64::from(n))).collect();
         let mean = errors.iter().sum::<f64>() / f64::from(n);
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / f64::from(n)).sqrt();
         assert!((mean - staircase_mean(rate, t, tau)).abs() < 1e-14);

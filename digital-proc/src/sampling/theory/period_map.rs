@@ -28,10 +28,7 @@ impl PeriodMap {
     /// The identity on `order` states.
     #[must_use]
     pub fn new(order: usize) -> PeriodMap {
-        PeriodMap {
-            matrix: DMatrix::identity(order, order),
-            elapsed_s: 0.0,
-        }
+        PeriodMap { matrix: DMatrix::identity(order, order), elapsed_s: 0.0 }
     }
 
     /// Flows by `exp(generator · seconds)`; `generator` is n×n.
@@ -84,11 +81,7 @@ impl PeriodMap {
     /// # Errors
     /// As [`PeriodMap::discrete_roots`].
     pub fn spectral_radius(&self) -> Result<f64, TheoryError> {
-        Ok(self
-            .discrete_roots()?
-            .iter()
-            .map(|z| z.modulus())
-            .fold(0.0, f64::max))
+        Ok(self.discrete_roots()?.iter().map(|z| z.modulus()).fold(0.0, f64::max))
     }
 
     /// Equivalent roots `ln z / T`, without those at the origin.

@@ -123,11 +123,7 @@ impl Criteria {
 /// Settings of the undisturbed and the disturbed run at a point.
 #[must_use]
 pub fn test_runs(point: &FrozenPoint) -> [PitchSettings; 2] {
-    let full = Disturbance {
-        misalignment: 1.0,
-        gust: 1.0,
-        cant: 0.0,
-    };
+    let full = Disturbance { misalignment: 1.0, gust: 1.0, cant: 0.0 };
     [Disturbance::NONE, full].map(|d| PitchSettings::new(point, &d, STEP_RAD))
 }
 
@@ -164,10 +160,7 @@ pub fn gain_margin_db(plane: &Plane) -> f64 {
     let grows = |margin_db: f64| {
         let factor = libm::pow(10.0, margin_db / 20.0);
         states.iter().any(|state| {
-            let raised = ChannelGains {
-                ftc: factor * state.ftc,
-                tvc: factor * state.tvc,
-            };
+            let raised = ChannelGains { ftc: factor * state.ftc, tvc: factor * state.tvc };
             roots(&plane_matrix(plane, raised))
                 .iter()
                 .any(|r| r.real > 0.0 && r.frequency_radps() > DRIFT_RADPS)
@@ -227,9 +220,7 @@ impl LoopQuality {
                 .and_then(|theta| detrended_peak_to_peak(theta, sample_s, RESIDUAL))
                 .map(|r| r / STEP_RAD),
             error: shaken.map(|theta| {
-                theta[from..]
-                    .iter()
-                    .fold(0.0, |worst: f64, t| worst.max((t - STEP_RAD).abs()))
+                theta[from..].iter().fold(0.0, |worst: f64, t| worst.max((t - STEP_RAD).abs()))
                     / STEP_RAD
             }),
             bending_decay: (|| {
@@ -270,10 +261,7 @@ mod tests {
         // Raising every gain by 3 dB takes 3 dB of the margin, to the bisection's
         // last half, 12/2⁸ dB, on either side.
         let left_db = raised(12.0);
-        assert!(
-            (margin_db - left_db - 3.0).abs() < 0.1,
-            "{margin_db} {left_db}"
-        );
+        assert!((margin_db - left_db - 3.0).abs() < 0.1, "{margin_db} {left_db}");
         let mut reversed = plane();
         reversed.ftc_lead = -reversed.ftc_lead;
         assert_eq!(gain_margin_db(&reversed), 0.0);
@@ -297,22 +285,10 @@ mod tests {
         assert_eq!(criteria.cost(&kept), 6.0);
         assert!(criteria.met(&kept));
         for worse in [
-            LoopQuality {
-                residual: None,
-                ..kept
-            },
-            LoopQuality {
-                overshoot: Some(0.21),
-                ..kept
-            },
-            LoopQuality {
-                gain_margin_db: 5.0,
-                ..kept
-            },
-            LoopQuality {
-                bending_damping: 0.0,
-                ..kept
-            },
+            LoopQuality { residual: None, ..kept },
+            LoopQuality { overshoot: Some(0.21), ..kept },
+            LoopQuality { gain_margin_db: 5.0, ..kept },
+            LoopQuality { bending_damping: 0.0, ..kept },
         ] {
             assert!(!criteria.met(&worse));
             assert!(criteria.cost(&worse) > 6.0);

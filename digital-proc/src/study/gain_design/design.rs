@@ -43,29 +43,13 @@ const DRIFT_GROWTH: f64 = 0.2;
 const REFUSED: f64 = 1e3;
 
 /// Search effort for one interval.
-pub const EFFORT: Effort = Effort {
-    first_factor: 1.25,
-    last_factor: 1.02,
-    evaluations: 26,
-};
+pub const EFFORT: Effort = Effort { first_factor: 1.25, last_factor: 1.02, evaluations: 26 };
 
 /// Bounds of K_F, T_F (s), K_T (N/rad), T_T (s).
-const FTC_GAIN: Bounds = Bounds {
-    low: 2.0,
-    high: 25.0,
-};
-const FTC_LEAD_S: Bounds = Bounds {
-    low: 0.2,
-    high: 1.5,
-};
-const TVC_GAIN: Bounds = Bounds {
-    low: 1e3 * DEGREES,
-    high: 1e4 * DEGREES,
-};
-const TVC_LEAD_S: Bounds = Bounds {
-    low: 0.05,
-    high: 1.5,
-};
+const FTC_GAIN: Bounds = Bounds { low: 2.0, high: 25.0 };
+const FTC_LEAD_S: Bounds = Bounds { low: 0.2, high: 1.5 };
+const TVC_GAIN: Bounds = Bounds { low: 1e3 * DEGREES, high: 1e4 * DEGREES };
+const TVC_LEAD_S: Bounds = Bounds { low: 0.05, high: 1.5 };
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// Why gains could not be designed.
@@ -201,20 +185,12 @@ impl Judge<'_, '_, '_> {
                 dead_zone_rad: travel_rad / p[0],
             };
             let found = coordinate_search(
-                [
-                    start.ftc_gain,
-                    start.ftc_lead_s,
-                    start.tvc_gain_nprad,
-                    start.tvc_lead_s,
-                ],
+                [start.ftc_gain, start.ftc_lead_s, start.tvc_gain_nprad, start.tvc_lead_s],
                 &[FTC_GAIN, FTC_LEAD_S, TVC_GAIN, TVC_LEAD_S],
                 effort,
                 |p| self.cost(&gains(p)),
             )?;
-            Ok((
-                gains(&found.parameters),
-                (found.first_cost, found.evaluations),
-            ))
+            Ok((gains(&found.parameters), (found.first_cost, found.evaluations)))
         } else {
             let gains = |p: &[f64; 2]| LoopGains {
                 ftc_gain: 0.0,
@@ -229,10 +205,7 @@ impl Judge<'_, '_, '_> {
                 effort,
                 |p| self.cost(&gains(p)),
             )?;
-            Ok((
-                gains(&found.parameters),
-                (found.first_cost, found.evaluations),
-            ))
+            Ok((gains(&found.parameters), (found.first_cost, found.evaluations)))
         }
     }
 
@@ -247,24 +220,16 @@ impl Judge<'_, '_, '_> {
             dead_zone_rad: 0.0,
         };
         let mean = |of: fn(&Plane) -> f64| {
-            let planes = self.slices.map(|s| {
-                Plane::new(
-                    &FrozenPoint::new(self.vehicle, s, &none),
-                    &Disturbance::NONE,
-                )
-            });
+            let planes = self
+                .slices
+                .map(|s| Plane::new(&FrozenPoint::new(self.vehicle, s, &none), &Disturbance::NONE));
             0.5 * (of(&planes[0]) + of(&planes[1]))
         };
         let stiffness = START_RADPS * START_RADPS + mean(|p| p.aero_moment).max(0.0);
         let lead_s = 2.0 * START_DAMPING * START_RADPS / stiffness;
         let tvc_gain_nprad = stiffness / mean(|p| p.tvc_moment);
         if !with_tips {
-            return LoopGains {
-                ftc_gain: 0.0,
-                tvc_gain_nprad,
-                tvc_lead_s: lead_s,
-                ..none
-            };
+            return LoopGains { ftc_gain: 0.0, tvc_gain_nprad, tvc_lead_s: lead_s, ..none };
         }
         LoopGains {
             ftc_gain: stiffness / mean(|p| p.ftc_moment * p.tip_force),
@@ -290,10 +255,7 @@ impl Judge<'_, '_, '_> {
             return Ok(REFUSED * (1.0 + refused));
         }
         let quality = self.quality(gains)?;
-        Ok(quality
-            .iter()
-            .map(|q| self.criteria.cost(q))
-            .fold(0.0, f64::max))
+        Ok(quality.iter().map(|q| self.criteria.cost(q)).fold(0.0, f64::max))
     }
 
     fn quality(&mut self, gains: &LoopGains) -> Result<[LoopQuality; 2], DesignFault> {

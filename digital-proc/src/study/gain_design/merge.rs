@@ -86,9 +86,7 @@ pub fn merged(data: &ScheduleData, i: usize, end_s: f64, tip_travel_deg: f64) ->
 /// Pairs that may be merged: both with tips or both without.
 fn pairs(data: &ScheduleData) -> impl Iterator<Item = usize> {
     let with_tips: Vec<bool> = data.ftc_gain.iter().map(|g| *g > 0.0).collect();
-    (1..with_tips.len())
-        .filter(move |&i| with_tips[i - 1] == with_tips[i])
-        .map(|i| i - 1)
+    (1..with_tips.len()).filter(move |&i| with_tips[i - 1] == with_tips[i]).map(|i| i - 1)
 }
 
 /// Merges intervals of `start` until no further merger is accepted; `progress`
@@ -104,12 +102,8 @@ pub fn merge(
     mut progress: impl FnMut(&Trial, usize),
 ) -> Result<Merging, MergeFault> {
     let stage = Stage::load(console, vehicle, &plan.profile).map_err(StudyFault::from)?;
-    let mut trials = Trials {
-        bench: Bench::new(vehicle, plan, stage)?,
-        vehicle,
-        nominal: None,
-        flights: 0,
-    };
+    let mut trials =
+        Trials { bench: Bench::new(vehicle, plan, stage)?, vehicle, nominal: None, flights: 0 };
     let burn_s = vehicle.data().mass.burn_time_s;
     let travel_deg = vehicle.data().ftc.delta_max_deg;
     let first = trials.fly(console, start)?;
@@ -119,9 +113,8 @@ pub fn merge(
         let mut best: Option<Trial> = None;
         for i in pairs(&present.schedule) {
             let trial = trials.fly(console, &merged(&present.schedule, i, burn_s, travel_deg))?;
-            let better = best
-                .as_ref()
-                .is_none_or(|b| trial.max_q_alpha_padeg < b.max_q_alpha_padeg);
+            let better =
+                best.as_ref().is_none_or(|b| trial.max_q_alpha_padeg < b.max_q_alpha_padeg);
             if trial.accepted && better {
                 best = Some(trial);
             }
@@ -130,10 +123,7 @@ pub fn merge(
         progress(&best, trials.flights);
         levels.push(best);
     }
-    Ok(Merging {
-        levels,
-        flights: trials.flights,
-    })
+    Ok(Merging { levels, flights: trials.flights })
 }
 
 struct Trials<'v> {
@@ -153,11 +143,9 @@ impl Trials<'_> {
             None => {
                 self.flights += 1;
                 let (flown, _) =
-                    self.bench
-                        .fly(console, self.vehicle, &sound, FlightWind::Calm, [0.0; 2])?;
-                let figures = flown
-                    .figures
-                    .ok_or(StudyFault::NominalLost(flown.lost.unwrap_or_default()))?;
+                    self.bench.fly(console, self.vehicle, &sound, FlightWind::Calm, [0.0; 2])?;
+                let figures =
+                    flown.figures.ok_or(StudyFault::NominalLost(flown.lost.unwrap_or_default()))?;
                 *self.nominal.insert(figures)
             }
         };

@@ -16,9 +16,7 @@ pub fn push(schedule: &mut ScheduleData, switch_time_s: f64, gains: &LoopGains) 
     schedule.switch_time_s.push(switch_time_s);
     schedule.ftc_gain.push(rounded(gains.ftc_gain, 10.0));
     schedule.ftc_lead_s.push(rounded(gains.ftc_lead_s, 100.0));
-    schedule
-        .tvc_gain_npdeg
-        .push(rounded(gains.tvc_gain_nprad.to_radians(), 0.02));
+    schedule.tvc_gain_npdeg.push(rounded(gains.tvc_gain_nprad.to_radians(), 0.02));
     schedule.tvc_lead_s.push(rounded(gains.tvc_lead_s, 100.0));
     schedule.dead_zone_deg.push(0.0);
 }
@@ -27,11 +25,7 @@ pub fn push(schedule: &mut ScheduleData, switch_time_s: f64, gains: &LoopGains) 
 /// to none where there are no tips.
 pub fn close(schedule: &mut ScheduleData, tip_travel_deg: f64) {
     for (zone, gain) in schedule.dead_zone_deg.iter_mut().zip(&schedule.ftc_gain) {
-        *zone = if *gain > 0.0 {
-            (100.0 * tip_travel_deg / gain).round() / 100.0
-        } else {
-            0.0
-        };
+        *zone = if *gain > 0.0 { (100.0 * tip_travel_deg / gain).round() / 100.0 } else { 0.0 };
     }
 }
 

@@ -82,12 +82,7 @@ pub fn coordinate_search<const N: usize, E>(
             factor = factor.sqrt();
         }
     }
-    Ok(Found {
-        parameters: best,
-        cost: best_cost,
-        first_cost,
-        evaluations: used,
-    })
+    Ok(Found { parameters: best, cost: best_cost, first_cost, evaluations: used })
 }
 
 #[cfg(test)]
@@ -95,15 +90,8 @@ mod tests {
     use super::*;
     use std::convert::Infallible;
 
-    const BOUNDS: Bounds = Bounds {
-        low: 0.1,
-        high: 100.0,
-    };
-    const EFFORT: Effort = Effort {
-        first_factor: 1.5,
-        last_factor: 1.005,
-        evaluations: 400,
-    };
+    const BOUNDS: Bounds = Bounds { low: 0.1, high: 100.0 };
+    const EFFORT: Effort = Effort { first_factor: 1.5, last_factor: 1.005, evaluations: 400 };
 
     #[test]
     fn the_minimum_of_a_bowl_is_found_to_the_last_factor() {
@@ -121,10 +109,7 @@ mod tests {
     #[test]
     fn bounds_and_the_number_of_evaluations_are_kept() {
         let mut seen = 0;
-        let effort = Effort {
-            evaluations: 7,
-            ..EFFORT
-        };
+        let effort = Effort { evaluations: 7, ..EFFORT };
         let found = coordinate_search([50.0], &[BOUNDS], effort, |p| {
             seen += 1;
             assert!((BOUNDS.low..=BOUNDS.high).contains(&p[0]));

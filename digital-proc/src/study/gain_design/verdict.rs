@@ -51,10 +51,7 @@ pub fn none_accepted(levels: &[Level<'_>]) -> String {
     );
     for level in levels {
         let switchings = level.0.schedule.switch_time_s.len() - 1;
-        text += &format!(
-            "\n{switchings} switchings: {}",
-            objections(*level).join("; ")
-        );
+        text += &format!("\n{switchings} switchings: {}", objections(*level).join("; "));
     }
     text
 }
@@ -106,12 +103,7 @@ mod tests {
     fn trial(switchings: usize, accepted: bool) -> Trial {
         let mut schedule = Vehicle::shipped().unwrap().data().gains_reduced.clone();
         schedule.switch_time_s = (0..=switchings).map(|n| n as f64).collect();
-        Trial {
-            schedule,
-            max_q_alpha_padeg: 298_100.0,
-            severity: 0.5,
-            accepted,
-        }
+        Trial { schedule, max_q_alpha_padeg: 298_100.0, severity: 0.5, accepted }
     }
 
     fn point(overshoot: Option<f64>, residual: f64) -> PointQuality {
@@ -134,12 +126,7 @@ mod tests {
 
     #[test]
     fn a_rejected_schedule_is_never_the_accepted_one() {
-        let trials = [
-            trial(3, true),
-            trial(2, true),
-            trial(1, true),
-            trial(0, false),
-        ];
+        let trials = [trial(3, true), trial(2, true), trial(1, true), trial(0, false)];
         let good = [point(Some(0.2), 0.01)];
         let bad = [point(Some(0.312), 0.01)];
         let diverged = [point(None, 0.2)];
@@ -153,19 +140,13 @@ mod tests {
         };
         // The last is good at its points, but not in flight.
         let some = levels(["good", "good", "bad", "good"]);
-        assert_eq!(
-            fewest_accepted(&some).unwrap().schedule.switch_time_s.len(),
-            3
-        );
+        assert_eq!(fewest_accepted(&some).unwrap().schedule.switch_time_s.len(), 3);
         assert_eq!(fewest_flown(&some).unwrap().schedule.switch_time_s.len(), 2);
         let read = |levels: &[Level<'_>]| -> toml::Table {
             let text = designed_section(levels) + &reduced_sections(levels);
             toml::from_str(&text).unwrap()
         };
-        let times = read(&some)["gains_reduced"]["t_sw"]
-            .as_array()
-            .unwrap()
-            .len();
+        let times = read(&some)["gains_reduced"]["t_sw"].as_array().unwrap().len();
         assert_eq!(times, 3);
         assert!(!designed_section(&some).contains("NOT accepted"));
         let none = levels(["bad", "diverged", "bad", "good"]);
@@ -173,10 +154,7 @@ mod tests {
         assert!(!read(&none).contains_key("gains_reduced"));
         assert!(designed_section(&none).contains("NOT accepted: overshoot 31.2 %"));
         let text = reduced_sections(&none);
-        assert!(
-            text.contains("# [gains_reduced]: no schedule is accepted"),
-            "{text}"
-        );
+        assert!(text.contains("# [gains_reduced]: no schedule is accepted"), "{text}");
         for part in [
             "3 switchings: overshoot 31.2 % at max-q (32.5 s)",
             "no overshoot, it diverges, at max-q (32.5 s); residual 20.0 % at max-q",

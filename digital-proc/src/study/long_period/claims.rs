@@ -12,11 +12,7 @@ pub fn judge(results: &LongPeriodResults) -> Vec<Claim> {
 }
 
 fn verdict(holds: bool) -> Verdict {
-    if holds {
-        Verdict::Holds
-    } else {
-        Verdict::Fails
-    }
+    if holds { Verdict::Holds } else { Verdict::Fails }
 }
 
 /// Whether a flight breaks the load limit; a lost one does.
@@ -31,23 +27,16 @@ fn exceeds(results: &LongPeriodResults, flown: &Flown) -> bool {
 
 fn named<'a>(modes: impl Iterator<Item = &'a ModeResult>) -> String {
     let names: Vec<&str> = modes.map(|m| m.name.as_str()).collect();
-    if names.is_empty() {
-        "none".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
 fn load_kpadeg(flown: &Flown) -> f64 {
-    flown
-        .figures
-        .map_or(f64::INFINITY, |f| f.max_q_alpha_padeg / 1e3)
+    flown.figures.map_or(f64::INFINITY, |f| f.max_q_alpha_padeg / 1e3)
 }
 
 /// Severity of a mode's design-case burn-out; above 1 is not accepted.
 fn severity(results: &LongPeriodResults, mode: &ModeResult) -> f64 {
-    mode.departure
-        .map_or(f64::INFINITY, |d| d.severity(&results.accept))
+    mode.departure.map_or(f64::INFINITY, |d| d.severity(&results.accept))
 }
 
 fn departure_words(mode: &ModeResult) -> String {
@@ -65,10 +54,8 @@ fn departure_words(mode: &ModeResult) -> String {
 
 fn l1(results: &LongPeriodResults) -> Claim {
     let accept = &results.accept;
-    let worst = results
-        .modes
-        .iter()
-        .max_by(|a, b| severity(results, a).total_cmp(&severity(results, b)));
+    let worst =
+        results.modes.iter().max_by(|a, b| severity(results, a).total_cmp(&severity(results, b)));
     let holds = results.modes.iter().all(|m| severity(results, m) <= 1.0);
     Claim {
         id: "L1",
@@ -127,17 +114,9 @@ fn l2(results: &LongPeriodResults) -> Claim {
 
 fn l2b(results: &LongPeriodResults) -> Claim {
     let flights = |m: &ModeResult| -> Vec<Flown> {
-        std::iter::once(&m.design)
-            .chain(&m.envelope)
-            .cloned()
-            .collect()
+        std::iter::once(&m.design).chain(&m.envelope).cloned().collect()
     };
-    let over = || {
-        results
-            .modes
-            .iter()
-            .filter(|m| flights(m).iter().any(|f| exceeds(results, f)))
-    };
+    let over = || results.modes.iter().filter(|m| flights(m).iter().any(|f| exceeds(results, f)));
     let worst = |m: &ModeResult| flights(m).iter().map(load_kpadeg).fold(0.0, f64::max);
     let next = results
         .modes
@@ -165,11 +144,7 @@ fn l2b(results: &LongPeriodResults) -> Claim {
             points.join(", ")
         ),
         measured,
-        verdict: if flown {
-            judged(results, over().count() == 1)
-        } else {
-            Verdict::NotJudged
-        },
+        verdict: if flown { judged(results, over().count() == 1) } else { Verdict::NotJudged },
         remark: flown.then(|| pointwise(results)),
     }
 }
@@ -192,40 +167,22 @@ fn pointwise(results: &LongPeriodResults) -> String {
     if found.is_empty() {
         "pointwise at none of them".to_owned()
     } else {
-        format!(
-            "pointwise beside the design case at {} × 3σ",
-            found.join(", ")
-        )
+        format!("pointwise beside the design case at {} × 3σ", found.join(", "))
     }
 }
 
 /// With a single mode there is nothing to single out.
 fn judged(results: &LongPeriodResults, holds: bool) -> Verdict {
-    if results.modes.len() < 2 {
-        Verdict::NotJudged
-    } else {
-        verdict(holds)
-    }
+    if results.modes.len() < 2 { Verdict::NotJudged } else { verdict(holds) }
 }
 
 fn l3(results: &LongPeriodResults) -> Claim {
-    let reduced: Vec<&ModeResult> = results
-        .modes
-        .iter()
-        .filter(|m| m.reduced_schedule)
-        .collect();
-    let holds = reduced
-        .iter()
-        .all(|m| !exceeds(results, &m.design) && severity(results, m) <= 1.0);
+    let reduced: Vec<&ModeResult> = results.modes.iter().filter(|m| m.reduced_schedule).collect();
+    let holds = reduced.iter().all(|m| !exceeds(results, &m.design) && severity(results, m) <= 1.0);
     let measured: Vec<String> = reduced
         .iter()
         .map(|m| {
-            format!(
-                "{}: {:.1} kPa deg; {}",
-                m.name,
-                load_kpadeg(&m.design),
-                departure_words(m)
-            )
+            format!("{}: {:.1} kPa deg; {}", m.name, load_kpadeg(&m.design), departure_words(m))
         })
         .collect();
     Claim {
@@ -240,11 +197,7 @@ fn l3(results: &LongPeriodResults) -> Claim {
         } else {
             measured.join("; ")
         },
-        verdict: if reduced.is_empty() {
-            Verdict::NotJudged
-        } else {
-            verdict(holds)
-        },
+        verdict: if reduced.is_empty() { Verdict::NotJudged } else { verdict(holds) },
         remark: None,
     }
 }

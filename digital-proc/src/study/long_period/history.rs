@@ -40,11 +40,9 @@ impl History {
     pub fn push(&mut self, s: &FlightSample) {
         self.time_s.push(s.time_s);
         self.speed_mps.push(s.trajectory.speed_mps);
-        self.path_angle_deg
-            .push(s.trajectory.path_angle_rad.to_degrees());
+        self.path_angle_deg.push(s.trajectory.path_angle_rad.to_degrees());
         self.altitude_km.push(s.trajectory.altitude_m / 1e3);
-        self.range_angle_deg
-            .push(s.trajectory.range_angle_rad.to_degrees());
+        self.range_angle_deg.push(s.trajectory.range_angle_rad.to_degrees());
         self.incidence_deg.push(s.incidence_rad.to_degrees());
         self.mach.push(s.mach);
         self.q_kpa.push(s.dynamic_pressure_pa / 1e3);
@@ -73,51 +71,27 @@ pub struct Variable {
 
 /// The paper's ten variables; pitch and roll are the two of its (ix).
 pub const VARIABLES: [Variable; 11] = [
-    variable(
-        ["velocity_m_s", "m/s"],
-        ["velocity", "Inertial velocity", "m/s"],
-        |h| &h.speed_mps,
-    ),
+    variable(["velocity_m_s", "m/s"], ["velocity", "Inertial velocity", "m/s"], |h| &h.speed_mps),
     variable(
         ["flight_path_angle_deg", "deg"],
         ["path-angle", "Inertial flight-path angle", "°"],
         |h| &h.path_angle_deg,
     ),
-    variable(["altitude_km", "km"], ["altitude", "Altitude", "km"], |h| {
-        &h.altitude_km
+    variable(["altitude_km", "km"], ["altitude", "Altitude", "km"], |h| &h.altitude_km),
+    variable(["range_angle_deg", "deg"], ["range-angle", "Range angle", "°"], |h| {
+        &h.range_angle_deg
     }),
-    variable(
-        ["range_angle_deg", "deg"],
-        ["range-angle", "Range angle", "°"],
-        |h| &h.range_angle_deg,
-    ),
-    variable(
-        ["alpha_deg", "deg"],
-        ["alpha", "Pitch angle of attack", "°"],
-        |h| &h.incidence_deg,
-    ),
+    variable(["alpha_deg", "deg"], ["alpha", "Pitch angle of attack", "°"], |h| &h.incidence_deg),
     variable(["mach", ""], ["mach", "Mach number", ""], |h| &h.mach),
-    variable(
-        ["dynamic_pressure_kpa", "kPa"],
-        ["q", "Dynamic pressure", "kPa"],
-        |h| &h.q_kpa,
-    ),
-    variable(
-        ["q_alpha_kpa_deg", "kPa deg"],
-        ["q-alpha", "Load indicator Qα", "kPa·°"],
-        |h| &h.q_alpha_kpadeg,
-    ),
-    variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |h| {
-        &h.pitch_deg
+    variable(["dynamic_pressure_kpa", "kPa"], ["q", "Dynamic pressure", "kPa"], |h| &h.q_kpa),
+    variable(["q_alpha_kpa_deg", "kPa deg"], ["q-alpha", "Load indicator Qα", "kPa·°"], |h| {
+        &h.q_alpha_kpadeg
     }),
-    variable(["phi_deg", "deg"], ["roll", "Roll angle", "°"], |h| {
-        &h.roll_deg
+    variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |h| &h.pitch_deg),
+    variable(["phi_deg", "deg"], ["roll", "Roll angle", "°"], |h| &h.roll_deg),
+    variable(["tvc_pitch_force_kn", "kN"], ["tvc", "TVC force, pitch loop", "kN"], |h| {
+        &h.tvc_pitch_kn
     }),
-    variable(
-        ["tvc_pitch_force_kn", "kN"],
-        ["tvc", "TVC force, pitch loop", "kN"],
-        |h| &h.tvc_pitch_kn,
-    ),
 ];
 
 /// Of the names in a trace (column, unit) and in a figure (anchor, label, unit).
@@ -126,12 +100,5 @@ const fn variable(
     [anchor, label, unit]: [&'static str; 3],
     of: fn(&History) -> &[f64],
 ) -> Variable {
-    Variable {
-        column,
-        column_unit,
-        anchor,
-        label,
-        unit,
-        of,
-    }
+    Variable { column, column_unit, anchor, label, unit, of }
 }

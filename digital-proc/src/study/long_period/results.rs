@@ -136,13 +136,12 @@ impl Departure {
         ]
         .iter()
         // A quotient that is no number must not pass as small.
-        .fold(0.0, |worst, part| {
-            if part.is_nan() {
-                f64::INFINITY
-            } else {
-                part.abs().max(worst)
-            }
-        })
+        .fold(
+            0.0,
+            |worst, part| {
+                if part.is_nan() { f64::INFINITY } else { part.abs().max(worst) }
+            },
+        )
     }
 }
 
@@ -220,9 +219,7 @@ impl ModeResult {
 
     /// Every flight of the mode.
     pub fn flights(&self) -> impl Iterator<Item = &Flown> {
-        std::iter::once(&self.design)
-            .chain(&self.envelope)
-            .chain(&self.reversed)
+        std::iter::once(&self.design).chain(&self.envelope).chain(&self.reversed)
     }
 }
 

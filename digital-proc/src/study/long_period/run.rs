@@ -237,13 +237,7 @@ impl<'a> Bench<'a> {
             ) => (None, Some(fault.to_string())),
             Err(fault) => return Err(fault.into()),
         };
-        let flown = Flown {
-            wind,
-            pitch_misalignment,
-            yaw_misalignment,
-            figures,
-            lost,
-        };
+        let flown = Flown { wind, pitch_misalignment, yaw_misalignment, figures, lost };
         Ok((flown, history))
     }
 }

@@ -124,9 +124,8 @@ impl Dispersions {
             let Dispersed::GyroStations(stations) = dispersion.what else {
                 return None;
             };
-            let station = stations
-                .into_iter()
-                .find(|s| vehicle.gyro_slope_at_station(*s).is_none())?;
+            let station =
+                stations.into_iter().find(|s| vehicle.gyro_slope_at_station(*s).is_none())?;
             Some(FileFault {
                 file: self.file.clone(),
                 place: None,
@@ -175,10 +174,7 @@ impl Dispersions {
         let mut all = Vec::new();
         for raw in &raw.dispersion {
             match dispersed(raw, &source) {
-                Ok(what) => all.push(Dispersion {
-                    title: raw.get_ref().title.clone(),
-                    what,
-                }),
+                Ok(what) => all.push(Dispersion { title: raw.get_ref().title.clone(), what }),
                 Err(fault) => faults.push(fault),
             }
         }
@@ -292,9 +288,7 @@ mod tests {
                 ["x.toml:5", "factor of 0", "0.1", "10"],
             ),
         ] {
-            let error = Dispersions::from_toml("x.toml", text)
-                .unwrap_err()
-                .to_string();
+            let error = Dispersions::from_toml("x.toml", text).unwrap_err().to_string();
             for word in words {
                 assert!(error.contains(word), "{word}: {error}");
             }

@@ -148,8 +148,7 @@ impl PointSensitivity {
     pub fn ranked(&self, measure: Measure) -> Vec<&Effect> {
         let mut all: Vec<&Effect> = self.effects.iter().collect();
         all.sort_by(|a, b| {
-            b.span(measure, &self.nominal)
-                .total_cmp(&a.span(measure, &self.nominal))
+            b.span(measure, &self.nominal).total_cmp(&a.span(measure, &self.nominal))
         });
         all
     }
@@ -199,9 +198,7 @@ pub fn run(
         for (worst_in, bits) in corners.worst() {
             let point = corner(vehicle, &nominal, &dispersions.all, bits);
             worst_corners.push(Corner {
-                high: (0..dispersions.all.len())
-                    .map(|i| bits >> i & 1 == 1)
-                    .collect(),
+                high: (0..dispersions.all.len()).map(|i| bits >> i & 1 == 1).collect(),
                 worst_in,
                 answer: answer(&point)?,
             });
@@ -227,11 +224,7 @@ pub fn loops(dispersions: &Dispersions) -> usize {
 
 fn with_roots(measured: LoopQuality, point: &FrozenPoint) -> Answer {
     let (attitude, bending) = dampings(point);
-    Answer {
-        measured,
-        attitude_damping: attitude,
-        bending_damping: bending,
-    }
+    Answer { measured, attitude_damping: attitude, bending_damping: bending }
 }
 
 fn dampings(point: &FrozenPoint) -> (Option<f64>, f64) {
@@ -249,11 +242,7 @@ fn corner(
 ) -> FrozenPoint {
     let mut point = *nominal;
     for (i, dispersion) in all.iter().enumerate() {
-        let side = if bits >> i & 1 == 1 {
-            Side::High
-        } else {
-            Side::Low
-        };
+        let side = if bits >> i & 1 == 1 { Side::High } else { Side::Low };
         dispersion.apply(vehicle, &mut point, side);
     }
     point
@@ -292,9 +281,6 @@ impl Corners {
     }
 
     fn worst(&self) -> [(&'static str, usize); CORNERS_RUN] {
-        [
-            ("attitude damping", self.least_attitude.1),
-            ("bending damping", self.least_bending.1),
-        ]
+        [("attitude damping", self.least_attitude.1), ("bending damping", self.least_bending.1)]
     }
 }

@@ -26,10 +26,7 @@ pub const FREQUENCY_WITHIN: f64 = 5e-3;
 /// to a tenth in the window; ten peaks leave a few per cent, doubled.
 pub const DAMPING_WITHIN: f64 = 0.10;
 /// Window in which the decay of a run that is not linear throughout is measured, s.
-pub const DECAY: Window = Window {
-    from_s: 4.0,
-    to_s: 9.0,
-};
+pub const DECAY: Window = Window { from_s: 4.0, to_s: 9.0 };
 /// Part of the rate limit above which a tip is taken to have met it between samples.
 const RATE_MET: f64 = 0.8;
 
@@ -83,10 +80,7 @@ impl Agreement {
 /// Compares every undisturbed pitch run that is linear, throughout or late.
 #[must_use]
 pub fn compare(plan: &Plan, responses: &[PitchResponse]) -> Vec<Agreement> {
-    let whole = Window {
-        from_s: 0.0,
-        to_s: plan.duration_s,
-    };
+    let whole = Window { from_s: 0.0, to_s: plan.duration_s };
     plan.pitch
         .iter()
         .zip(responses)
@@ -106,11 +100,7 @@ pub fn compare(plan: &Plan, responses: &[PitchResponse]) -> Vec<Agreement> {
             let (gains, compared) = linear_range(settings, response, whole)
                 .map(|gains| (gains, against_exponential(settings, response, gains)))
                 .or_else(late)?;
-            Some(Agreement {
-                run,
-                gains,
-                compared,
-            })
+            Some(Agreement { run, gains, compared })
         })
         .collect()
 }
@@ -148,16 +138,12 @@ pub fn linear_range(
 ) -> Option<ChannelGains> {
     let plane = &settings.plane;
     let range = window.indices(response.sample_s, response.len());
-    let greatest = |column: &[f64]| {
-        column[range.clone()]
-            .iter()
-            .fold(0.0_f64, |g, v| g.max(v.abs()))
-    };
+    let greatest =
+        |column: &[f64]| column[range.clone()].iter().fold(0.0_f64, |g, v| g.max(v.abs()));
     let tips = response.tip_rad();
-    let rate = tips[range.clone()]
-        .windows(2)
-        .fold(0.0_f64, |g, pair| g.max((pair[1] - pair[0]).abs()))
-        / response.sample_s;
+    let rate =
+        tips[range.clone()].windows(2).fold(0.0_f64, |g, pair| g.max((pair[1] - pair[0]).abs()))
+            / response.sample_s;
     let ftc = if plane.ftc_gain == 0.0 {
         0.0
     } else if greatest(tips) < plane.tip_travel && rate < RATE_MET * plane.tip_rate {
@@ -201,10 +187,7 @@ mod tests {
                 .filter(move |a| matches!(a.compared, Compared::Response { .. }) == whole)
         };
         // Before the tips are switched in nothing but the force limit is not linear.
-        assert!(
-            of(true).count() > 0 && of(false).count() > 0,
-            "{compared:?}"
-        );
+        assert!(of(true).count() > 0 && of(false).count() > 0, "{compared:?}");
         for agreement in &compared {
             assert!(agreement.agrees(), "{agreement:?}");
         }

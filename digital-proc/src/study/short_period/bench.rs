@@ -110,9 +110,7 @@ impl<const N: usize> Bench<N> {
         match ended {
             Ok(last) if last.overloads > 0 => {
                 let overloads = console.diagnose()?.overloads;
-                seen.push(Occurrence::Overloaded(
-                    overloads.into_iter().map(|o| o.block).collect(),
-                ));
+                seen.push(Occurrence::Overloaded(overloads.into_iter().map(|o| o.block).collect()));
             }
             Ok(_) => {}
             Err(ConsoleFault::RunFault { time, fault }) => {
@@ -128,8 +126,5 @@ impl<const N: usize> Bench<N> {
 }
 
 fn owned(values: Vec<(&'static str, f64)>) -> Vec<(String, f64)> {
-    values
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), value))
-        .collect()
+    values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -51,10 +51,7 @@ struct Runs<'a, C, M> {
 
 impl<'a, C, M> Runs<'a, C, M> {
     fn new(plan: &'a Plan, cases: &'a [C], measures: &'a [M]) -> Self {
-        Runs {
-            plan,
-            runs: cases.iter().zip(measures).collect(),
-        }
+        Runs { plan, runs: cases.iter().zip(measures).collect() }
     }
 
     fn under(
@@ -62,15 +59,8 @@ impl<'a, C, M> Runs<'a, C, M> {
         condition: &str,
         of: impl Fn(&C) -> usize,
     ) -> impl Iterator<Item = (&'a C, &'a M)> {
-        let index = self
-            .plan
-            .conditions
-            .iter()
-            .position(|c| c.name == condition);
-        self.runs
-            .iter()
-            .copied()
-            .filter(move |(case, _)| Some(of(case)) == index)
+        let index = self.plan.conditions.iter().position(|c| c.name == condition);
+        self.runs.iter().copied().filter(move |(case, _)| Some(of(case)) == index)
     }
 }
 
@@ -82,13 +72,11 @@ impl<'a> PitchRuns<'a> {
         &self,
         condition: &str,
     ) -> impl Iterator<Item = (&'a PitchCase, &'a PitchMeasures)> {
-        self.under(condition, |c| c.condition)
-            .filter(|(case, _)| case.disturbed)
+        self.under(condition, |c| c.condition).filter(|(case, _)| case.disturbed)
     }
 
     fn quiet(&self, condition: &str) -> impl Iterator<Item = (&'a PitchCase, &'a PitchMeasures)> {
-        self.under(condition, |c| c.condition)
-            .filter(|(case, _)| !case.disturbed)
+        self.under(condition, |c| c.condition).filter(|(case, _)| !case.disturbed)
     }
 
     fn point(&self, case: &PitchCase) -> &'a str {
@@ -119,18 +107,13 @@ struct Worst<'a> {
 
 impl<'a> Worst<'a> {
     fn of(upper: bool, values: impl Iterator<Item = (Option<f64>, &'a str)>) -> Worst<'a> {
-        let mut worst = Worst {
-            upper,
-            found: None,
-            missing: None,
-        };
+        let mut worst = Worst { upper, found: None, missing: None };
         for (value, point) in values {
             match value.filter(|v| !v.is_nan()) {
                 None => worst.missing = Some(point),
                 Some(value) => {
-                    let worse = worst
-                        .found
-                        .is_none_or(|(w, _)| if upper { value > w } else { value < w });
+                    let worse =
+                        worst.found.is_none_or(|(w, _)| if upper { value > w } else { value < w });
                     if worse {
                         worst.found = Some((value, point));
                     }
@@ -146,11 +129,7 @@ impl<'a> Worst<'a> {
             (None, None) => Verdict::NotJudged,
             (_, Some(_)) => Verdict::Fails,
             (Some((value, _)), None) => {
-                let kept = if self.upper {
-                    value <= bound
-                } else {
-                    value >= bound
-                };
+                let kept = if self.upper { value <= bound } else { value >= bound };
                 if kept { Verdict::Holds } else { Verdict::Fails }
             }
         }
@@ -200,18 +179,12 @@ mod tests {
         change(&mut data);
         let vehicle = Vehicle::from_data(data).unwrap();
         let mut study = Study::shipped().unwrap();
-        study
-            .conditions
-            .retain(|c| conditions.contains(&c.name.as_str()));
+        study.conditions.retain(|c| conditions.contains(&c.name.as_str()));
         Plan::new(&study, &vehicle).unwrap()
     }
 
     fn failing(claims: &[Claim]) -> Vec<&'static str> {
-        claims
-            .iter()
-            .filter(|c| c.verdict == Verdict::Fails)
-            .map(|c| c.id)
-            .collect()
+        claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id).collect()
     }
 
     const JUDGED: [&str; 4] = [NORMAL, FTC_GAIN_LOST, TVC_SLOW, TVC_FAST];

@@ -90,11 +90,7 @@ pub struct Disturbance {
 
 impl Disturbance {
     /// An undisturbed run.
-    pub const NONE: Disturbance = Disturbance {
-        misalignment: 0.0,
-        gust: 0.0,
-        cant: 0.0,
-    };
+    pub const NONE: Disturbance = Disturbance { misalignment: 0.0, gust: 0.0, cant: 0.0 };
 }
 
 /// Settings of `pitch-loop.toml`.
@@ -231,10 +227,7 @@ impl PitchSettings {
     /// Settings of a pitch run at a point.
     #[must_use]
     pub fn new(point: &FrozenPoint, disturbance: &Disturbance, command_rad: f64) -> PitchSettings {
-        PitchSettings {
-            plane: Plane::new(point, disturbance),
-            command_rad,
-        }
+        PitchSettings { plane: Plane::new(point, disturbance), command_rad }
     }
 
     /// Value of every coefficient unit and converter of the patch, by block name.
@@ -258,11 +251,7 @@ impl YawRollSettings {
     ) -> YawRollSettings {
         let shared = Plane::new(point, disturbance);
         YawRollSettings {
-            plane: if dedicated {
-                shared.dedicated(point)
-            } else {
-                shared
-            },
+            plane: if dedicated { shared.dedicated(point) } else { shared },
             roll_moment: point.tip_roll_arm_m / point.roll_inertia_kgm2,
             roll_damping: point.roll_damping_nms / point.roll_inertia_kgm2,
             roll_gain: point.roll_gain,
@@ -403,11 +392,7 @@ mod tests {
     #[test]
     fn the_gust_is_seen_normal_to_the_path() {
         let point = numbered();
-        let gust = Disturbance {
-            misalignment: 0.0,
-            gust: 0.5,
-            cant: 0.0,
-        };
+        let gust = Disturbance { misalignment: 0.0, gust: 0.5, cant: 0.0 };
         let plane = Plane::new(&point, &gust);
         assert_eq!(plane.gust, 0.5 * 12.0 * 1.2_f64.sin() / 655.0);
         assert_eq!(plane.misalignment, 0.0);

@@ -61,11 +61,7 @@ impl Root {
     #[must_use]
     pub fn damping(&self) -> f64 {
         let frequency = self.frequency_radps();
-        if frequency == 0.0 {
-            0.0
-        } else {
-            -self.real / frequency
-        }
+        if frequency == 0.0 { 0.0 } else { -self.real / frequency }
     }
 
     /// Whether it belongs to an oscillation.
@@ -160,9 +156,7 @@ pub fn step_response(
     const ETA: usize = 7;
     const FILTERED: usize = 9;
     let mut augmented = DMatrix::zeros(11, 11);
-    augmented
-        .view_mut((0, 0), (10, 10))
-        .copy_from(&plane_matrix(plane, gains));
+    augmented.view_mut((0, 0), (10, 10)).copy_from(&plane_matrix(plane, gains));
     augmented[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
     augmented[(FILTERED, 10)] = plane.filter_pole;
     let advance = matrix_exp(&(augmented * sample_s));
@@ -189,14 +183,8 @@ pub fn roots<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Root> {
     let Some(schur) = dynamic.try_schur(f64::EPSILON, ITERATIONS) else {
         return Vec::new();
     };
-    let mut roots: Vec<Root> = schur
-        .complex_eigenvalues()
-        .iter()
-        .map(|s| Root {
-            real: s.re,
-            imaginary: s.im,
-        })
-        .collect();
+    let mut roots: Vec<Root> =
+        schur.complex_eigenvalues().iter().map(|s| Root { real: s.re, imaginary: s.im }).collect();
     roots.sort_by(|a, b| {
         a.frequency_radps()
             .total_cmp(&b.frequency_radps())
@@ -267,45 +255,24 @@ mod tests {
     fn thrust_vector_roots_are_those_of_the_independent_prototype() {
         let points = frozen(&[2.0, 20.0, 32.5, 40.0]);
         for (point, frequency, damping) in [(&points[1], 2.91, 0.084), (&points[2], 3.15, 0.085)] {
-            let root = plane_roots(&plane(point), ChannelGains::TVC_ONLY)
-                .attitude
-                .unwrap();
-            assert!(
-                (root.frequency_radps() - frequency).abs() <= 0.005,
-                "{root:?}"
-            );
+            let root = plane_roots(&plane(point), ChannelGains::TVC_ONLY).attitude.unwrap();
+            assert!((root.frequency_radps() - frequency).abs() <= 0.005, "{root:?}");
             assert!((root.damping() - damping).abs() <= 0.0005, "{root:?}");
         }
         // The pole slowed to 1 rad/s.
-        for (point, damping) in [
-            (&points[0], -0.05),
-            (&points[1], -0.27),
-            (&points[2], -0.33),
-        ] {
-            let slow = FrozenPoint {
-                tvc_time_constant_s: 1.0,
-                ..*point
-            };
-            let root = plane_roots(&plane(&slow), ChannelGains::TVC_ONLY)
-                .attitude
-                .unwrap();
+        for (point, damping) in [(&points[0], -0.05), (&points[1], -0.27), (&points[2], -0.33)] {
+            let slow = FrozenPoint { tvc_time_constant_s: 1.0, ..*point };
+            let root = plane_roots(&plane(&slow), ChannelGains::TVC_ONLY).attitude.unwrap();
             assert!((root.damping() - damping).abs() <= 0.005, "{root:?}");
         }
         // The time constant shortened to 0.005 s lets the bending mode grow.
         for (point, damping) in [(&points[0], -0.025), (&points[3], -0.001)] {
-            let fast = FrozenPoint {
-                tvc_time_constant_s: 0.005,
-                ..*point
-            };
-            let root = plane_roots(&plane(&fast), ChannelGains::TVC_ONLY)
-                .bending
-                .unwrap();
+            let fast = FrozenPoint { tvc_time_constant_s: 0.005, ..*point };
+            let root = plane_roots(&plane(&fast), ChannelGains::TVC_ONLY).bending.unwrap();
             assert!((root.damping() - damping).abs() <= 0.0005, "{root:?}");
         }
         // Both channels at 20 s without TVC: the loop that sampling is measured on.
-        let root = plane_roots(&plane(&points[1]), ChannelGains::FTC_ONLY)
-            .attitude
-            .unwrap();
+        let root = plane_roots(&plane(&points[1]), ChannelGains::FTC_ONLY).attitude.unwrap();
         assert!((root.damping() - 0.872).abs() <= 0.0005, "{root:?}");
     }
 
@@ -313,11 +280,7 @@ mod tests {
     /// shares no integration with it.
     #[test]
     fn reference_and_matrix_exponential_agree_in_the_linear_range() {
-        let grid = Grid {
-            samples: 300,
-            sample_s: 0.02,
-            steps: 20,
-        };
+        let grid = Grid { samples: 300, sample_s: 0.02, steps: 20 };
         let points = frozen(&[7.5, 20.0]);
         let cases = [
             // Thrust vector alone, no dead zone: 4.5 kN/deg · 2° stays below 15 kN.
@@ -333,10 +296,7 @@ mod tests {
                 // RK4 at 1 ms: (100 rad/s · 1 ms)⁵/120 a step on the gyro's fast motion,
                 // which dies out in 0.1 s: below 1e-7 · 100 steps of the step.
                 let bound = 1e-5 * command;
-                assert!(
-                    (run.theta_rad()[i] - row[0]).abs() < bound,
-                    "θ at sample {i}"
-                );
+                assert!((run.theta_rad()[i] - row[0]).abs() < bound, "θ at sample {i}");
                 assert!((run.eta_m()[i] - row[1]).abs() < bound, "η at sample {i}");
             }
         }
@@ -344,11 +304,7 @@ mod tests {
 
     #[test]
     fn measured_bending_decay_is_that_of_the_eigenvalue() {
-        let grid = Grid {
-            samples: 1200,
-            sample_s: 0.01,
-            steps: 10,
-        };
+        let grid = Grid { samples: 1200, sample_s: 0.01, steps: 10 };
         let points = frozen(&[7.5, 20.0]);
         for (point, gains) in [
             (&points[0], ChannelGains::TVC_ONLY),
@@ -358,10 +314,7 @@ mod tests {
             let settings = PitchSettings::new(point, &Disturbance::NONE, 2.0_f64.to_radians());
             let run = reference::pitch(&settings, &grid);
             let period = std::f64::consts::TAU / point.bending_frequency_radps;
-            let window = Window {
-                from_s: 4.0,
-                to_s: 9.0,
-            };
+            let window = Window { from_s: 4.0, to_s: 9.0 };
             let found = oscillation(run.eta_m(), 0.01, period, window).unwrap();
             let root = plane_roots(&settings.plane, gains).bending.unwrap();
             // What the estimator is good for (see its own test).
@@ -369,10 +322,7 @@ mod tests {
                 (found.frequency_radps / root.frequency_radps() - 1.0).abs() < 2e-3,
                 "{found:?} {root:?}"
             );
-            assert!(
-                (found.damping / root.damping() - 1.0).abs() < 0.03,
-                "{found:?} {root:?}"
-            );
+            assert!((found.damping / root.damping() - 1.0).abs() < 0.03, "{found:?} {root:?}");
         }
     }
 
@@ -387,16 +337,10 @@ mod tests {
         };
         let settings = YawRollSettings::new(point, &Disturbance::NONE, initial, false);
         let rightmost = |s: &YawRollSettings| {
-            roots(&roll_matrix(s))
-                .iter()
-                .map(|r| r.real)
-                .fold(f64::NEG_INFINITY, f64::max)
+            roots(&roll_matrix(s)).iter().map(|r| r.real).fold(f64::NEG_INFINITY, f64::max)
         };
         assert!(rightmost(&settings) < -0.5);
-        let reversed = YawRollSettings {
-            roll_lead: -settings.roll_lead,
-            ..settings
-        };
+        let reversed = YawRollSettings { roll_lead: -settings.roll_lead, ..settings };
         assert!(rightmost(&reversed) > 0.0);
     }
 

@@ -40,10 +40,7 @@ impl Patches {
                     "sub/stage-plane.toml",
                     include_str!("../../../../patch-files/sub/stage-plane.toml"),
                 ),
-                (
-                    "sub/fin-tip.toml",
-                    include_str!("../../../../patch-files/sub/fin-tip.toml"),
-                ),
+                ("sub/fin-tip.toml", include_str!("../../../../patch-files/sub/fin-tip.toml")),
             ]
             .map(|(name, text)| (name.to_owned(), text.to_owned()))
             .into(),
@@ -110,9 +107,7 @@ pub fn run(
     let spec = spec(plan);
     if !plan.pitch.is_empty() {
         let bench = Bench::load(console, &patches.pitch, profile, PITCH_CHANNELS)?;
-        answers
-            .patches
-            .push(bench.identity(console, &patches.pitch));
+        answers.patches.push(bench.identity(console, &patches.pitch));
         for (number, case) in plan.pitch.iter().enumerate() {
             let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;
             answers.pitch.push(response);
@@ -122,9 +117,7 @@ pub fn run(
     }
     if !plan.yaw_roll.is_empty() {
         let bench = Bench::load(console, &patches.yaw_roll, profile, YAW_ROLL_CHANNELS)?;
-        answers
-            .patches
-            .push(bench.identity(console, &patches.yaw_roll));
+        answers.patches.push(bench.identity(console, &patches.yaw_roll));
         for (number, case) in plan.yaw_roll.iter().enumerate() {
             let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;
             answers.yaw_roll.push(response);
@@ -137,11 +130,7 @@ pub fn run(
 
 impl Answers {
     fn remark(&mut self, control_loop: ControlLoop, run: usize, seen: Vec<Occurrence>) {
-        let remarks = seen.into_iter().map(|what| Remark {
-            control_loop,
-            run,
-            what,
-        });
+        let remarks = seen.into_iter().map(|what| Remark { control_loop, run, what });
         self.remarks.extend(remarks);
     }
 }

@@ -10,24 +10,12 @@ use super::plan::{PitchCase, Plan, YawRollCase};
 use super::response::{PitchResponse, YawRollResponse};
 
 /// Window of the residual oscillation, s.
-pub const RESIDUAL: Window = Window {
-    from_s: 5.0,
-    to_s: 10.0,
-};
+pub const RESIDUAL: Window = Window { from_s: 5.0, to_s: 10.0 };
 /// Windows of the bending envelope, s: just after the step, and twice later.
 pub const ENVELOPES: [Window; 3] = [
-    Window {
-        from_s: 0.05,
-        to_s: 2.0,
-    },
-    Window {
-        from_s: 5.0,
-        to_s: 6.5,
-    },
-    Window {
-        from_s: 8.0,
-        to_s: 9.5,
-    },
+    Window { from_s: 0.05, to_s: 2.0 },
+    Window { from_s: 5.0, to_s: 6.5 },
+    Window { from_s: 8.0, to_s: 9.5 },
 ];
 /// Part of a limit from which an actuator counts as saturated.
 pub const SATURATED: f64 = 0.95;
@@ -85,11 +73,7 @@ impl PitchMeasures {
         let plane = &case.settings.plane;
         let period_s = std::f64::consts::TAU / case.frozen.bending_frequency_radps;
         PitchMeasures {
-            overshoot: if case.disturbed {
-                None
-            } else {
-                overshoot(theta, step)
-            },
+            overshoot: if case.disturbed { None } else { overshoot(theta, step) },
             settling_s: theta
                 .last()
                 .and_then(|&end| settling_s(theta, sample_s, end, PITCH_BAND * step.abs())),
@@ -133,11 +117,7 @@ pub fn tip_authority(plane: &Plane, command_rad: &f64) -> f64 {
     }
     let tips = plane.ftc_moment * plane.tip_force * plane.tip_travel;
     let load = plane.misalignment + plane.aero_moment * (plane.gust + command_rad);
-    if load == 0.0 {
-        f64::INFINITY
-    } else {
-        tips / load.abs()
-    }
+    if load == 0.0 { f64::INFINITY } else { tips / load.abs() }
 }
 
 /// What is measured of one yaw–roll run.
@@ -185,9 +165,7 @@ impl YawRollMeasures {
         let fallen = roll.iter().position(|phi| phi.abs() <= fallen_below);
         let period_s = std::f64::consts::TAU / case.frozen.bending_frequency_radps;
         let settled = |column: &[f64], band_deg: f64| {
-            column
-                .last()
-                .and_then(|&end| settling_s(column, sample_s, end, band_deg.to_radians()))
+            column.last().and_then(|&end| settling_s(column, sample_s, end, band_deg.to_radians()))
         };
         let last = |column: &[f64]| column.last().copied().unwrap_or(f64::NAN);
         YawRollMeasures {
@@ -199,9 +177,7 @@ impl YawRollMeasures {
             ),
             roll_fallen_s: fallen.map(|i| response.time_s(i)),
             yaw_share_after: fallen.map(|from| {
-                (from..response.len())
-                    .map(yaw_share)
-                    .fold(0.0, |greatest, s| s.max(greatest))
+                (from..response.len()).map(yaw_share).fold(0.0, |greatest, s| s.max(greatest))
             }),
             yaw_settling_s: settled(yaw, YAW_BAND_DEG),
             roll_settling_s: settled(roll, ROLL_BAND_DEG),

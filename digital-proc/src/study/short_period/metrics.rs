@@ -58,11 +58,7 @@ pub fn settling_s(column: &[f64], sample_s: f64, target: f64, band: f64) -> Opti
         return Some(0.0);
     };
     let (outside, next) = (distance(column[last]), distance(column[last + 1]));
-    let part = if outside.is_finite() {
-        (outside - band) / (outside - next)
-    } else {
-        1.0
-    };
+    let part = if outside.is_finite() { (outside - band) / (outside - next) } else { 1.0 };
     Some((last as f64 + part) * sample_s)
 }
 
@@ -90,9 +86,7 @@ pub fn detrended_peak_to_peak(column: &[f64], sample_s: f64, window: Window) -> 
         .iter()
         .enumerate()
         .map(|(i, v)| v - trend[0] - trend[1] * u(i) - trend[2] * u(i) * u(i))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| {
-            (low.min(r), high.max(r))
-        });
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
     Some(high - low)
 }
 
@@ -190,17 +184,11 @@ pub fn oscillation(
         if highest == 0 || highest + 1 >= values.len() {
             continue;
         }
-        let (before, top, after) = (
-            values[highest - 1].abs(),
-            values[highest].abs(),
-            values[highest + 1].abs(),
-        );
+        let (before, top, after) =
+            (values[highest - 1].abs(), values[highest].abs(), values[highest + 1].abs());
         let curvature = before - 2.0 * top + after;
-        let rise = if curvature < 0.0 {
-            -(before - after).powi(2) / (8.0 * curvature)
-        } else {
-            0.0
-        };
+        let rise =
+            if curvature < 0.0 { -(before - after).powi(2) / (8.0 * curvature) } else { 0.0 };
         peaks.push((
             (ends[0] + ends[1]) / 2.0 * sample_s,
             libm::log((top + rise).max(f64::MIN_POSITIVE)),
@@ -213,10 +201,7 @@ pub fn oscillation(
         / ((crossings[crossings.len() - 1] - crossings[0]) * sample_s);
     let decay = -slope(&peaks);
     let frequency = libm::hypot(decay, damped_radps);
-    Some(Oscillation {
-        frequency_radps: frequency,
-        damping: decay / frequency,
-    })
+    Some(Oscillation { frequency_radps: frequency, damping: decay / frequency })
 }
 
 /// Slope of the least-squares line through points of at least two abscissae.
@@ -225,10 +210,7 @@ fn slope(points: &[(f64, f64)]) -> f64 {
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));
     let (cross, square) = points.iter().fold((0.0, 0.0), |(cross, square), p| {
-        (
-            cross + (p.0 - x) * (p.1 - y),
-            square + (p.0 - x) * (p.0 - x),
-        )
+        (cross + (p.0 - x) * (p.1 - y), square + (p.0 - x) * (p.0 - x))
     });
     cross / square
 }
@@ -256,10 +238,7 @@ pub fn time_beyond_s(column: &[f64], sample_s: f64, level: f64) -> f64 {
 /// First instant at which |x| exceeds `level`, s.
 #[must_use]
 pub fn first_beyond_s(column: &[f64], sample_s: f64, level: f64) -> Option<f64> {
-    column
-        .iter()
-        .position(|v| v.abs() > level)
-        .map(|i| i as f64 * sample_s)
+    column.iter().position(|v| v.abs() > level).map(|i| i as f64 * sample_s)
 }
 
 #[cfg(test)]
@@ -291,10 +270,7 @@ mod tests {
 
     #[test]
     fn a_parabola_leaves_no_residual_and_a_sine_its_double_amplitude() {
-        let window = Window {
-            from_s: 5.0,
-            to_s: 10.0,
-        };
+        let window = Window { from_s: 5.0, to_s: 10.0 };
         let parabola = |t: f64| 0.3 - 0.2 * t + 0.05 * t * t;
         // Values up to 3.3: some ten roundings of normal equations well conditioned on [−1, 1].
         let left = detrended_peak_to_peak(&sampled(parabola), SAMPLE_S, window).unwrap();
@@ -305,14 +281,7 @@ mod tests {
         // amplitude by its slope and 15/(πn)² by its curvature, 0.14 in all.
         assert!((found / 0.02 - 1.0).abs() < 0.14, "{found}");
         assert_eq!(
-            detrended_peak_to_peak(
-                &sine,
-                SAMPLE_S,
-                Window {
-                    from_s: 20.0,
-                    to_s: 30.0
-                }
-            ),
+            detrended_peak_to_peak(&sine, SAMPLE_S, Window { from_s: 20.0, to_s: 30.0 }),
             None
         );
     }
@@ -339,35 +308,13 @@ mod tests {
         let expected = (-zeta * omega * 4.0_f64).exp();
         assert!((ratio / expected - 1.0).abs() < 0.07, "{ratio} {expected}");
 
-        let found = oscillation(
-            &mode,
-            SAMPLE_S,
-            period,
-            Window {
-                from_s: 1.0,
-                to_s: 6.0,
-            },
-        )
-        .unwrap();
+        let found =
+            oscillation(&mode, SAMPLE_S, period, Window { from_s: 1.0, to_s: 6.0 }).unwrap();
         // Zero crossings and parabolic peaks at 25 samples a cycle are good to 1e-3 and
         // to about 1 % of the decay.
-        assert!(
-            (found.frequency_radps / omega - 1.0).abs() < 1e-3,
-            "{found:?}"
-        );
+        assert!((found.frequency_radps / omega - 1.0).abs() < 1e-3, "{found:?}");
         assert!((found.damping / zeta - 1.0).abs() < 0.02, "{found:?}");
-        assert_eq!(
-            oscillation(
-                &mode,
-                SAMPLE_S,
-                period,
-                Window {
-                    from_s: 1.0,
-                    to_s: 1.1
-                }
-            ),
-            None
-        );
+        assert_eq!(oscillation(&mode, SAMPLE_S, period, Window { from_s: 1.0, to_s: 1.1 }), None);
     }
 
     #[test]

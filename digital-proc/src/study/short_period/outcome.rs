@@ -95,18 +95,11 @@ impl Plan {
     /// Name of a yaw–roll run, unique within the plan.
     #[must_use]
     pub fn yaw_roll_name(&self, case: &YawRollCase) -> String {
-        let tips = if case.settings.dedicated {
-            ".dedicated"
-        } else {
-            ""
-        };
+        let tips = if case.settings.dedicated { ".dedicated" } else { "" };
         format!("{}{tips}", self.cell(case.point, case.condition))
     }
 
     fn cell(&self, point: usize, condition: usize) -> String {
-        format!(
-            "{}.{}",
-            self.points[point].name, self.conditions[condition].name
-        )
+        format!("{}.{}", self.points[point].name, self.conditions[condition].name)
     }
 }

@@ -76,29 +76,21 @@ type Found = Result<f64, (String, String)>;
 
 fn switch_time(vehicle: &Vehicle, number: usize) -> Found {
     let switches = vehicle.designed_schedule().switch_time_s();
-    switches
-        .get(number)
-        .copied()
-        .filter(|_| number > 0)
-        .ok_or_else(|| {
-            (
-                format!("there is no gain switching {number}"),
-                format!(
-                    "the schedule switches {} times, counted from 1",
-                    switches.len().saturating_sub(1)
-                ),
-            )
-        })
+    switches.get(number).copied().filter(|_| number > 0).ok_or_else(|| {
+        (
+            format!("there is no gain switching {number}"),
+            format!(
+                "the schedule switches {} times, counted from 1",
+                switches.len().saturating_sub(1)
+            ),
+        )
+    })
 }
 
 fn event_time(vehicle: &Vehicle, coarse: &[SlicePoint], event: Event) -> Result<Found, StudyError> {
     let programme = &vehicle.data().pitch_programme;
     Ok(match event {
-        Event::PitchInitiation => programme
-            .node_time_s
-            .first()
-            .copied()
-            .ok_or_else(no_programme),
+        Event::PitchInitiation => programme.node_time_s.first().copied().ok_or_else(no_programme),
         Event::MaxPitchRate => programme
             .rate_dps
             .iter()
@@ -119,10 +111,7 @@ fn event_time(vehicle: &Vehicle, coarse: &[SlicePoint], event: Event) -> Result<
 }
 
 fn no_programme() -> (String, String) {
-    (
-        "the pitch programme is empty".to_owned(),
-        "give the point by time".to_owned(),
-    )
+    ("the pitch programme is empty".to_owned(), "give the point by time".to_owned())
 }
 
 fn greatest_q(points: &[SlicePoint]) -> f64 {
@@ -147,9 +136,7 @@ fn mach_time(vehicle: &Vehicle, coarse: &[SlicePoint], mach: f64) -> Result<Foun
     let from = coarse[index.saturating_sub(1)].time_s;
     let fine = grid(vehicle, from, coarse[index].time_s, FINE_S)?;
     // The end of the fine grid is the coarse point at which it was reached.
-    Ok(Ok(
-        reached(&fine).map_or(coarse[index].time_s, |i| fine[i].time_s)
-    ))
+    Ok(Ok(reached(&fine).map_or(coarse[index].time_s, |i| fine[i].time_s)))
 }
 
 fn grid(
@@ -162,8 +149,6 @@ fn grid(
     let first = (from_s / every_s).round() as u64;
     let last = (to_s / every_s).round() as u64;
     let per_second = (1.0 / every_s).round();
-    let wanted: Vec<(&str, f64)> = (first..=last)
-        .map(|i| ("", i as f64 / per_second))
-        .collect();
+    let wanted: Vec<(&str, f64)> = (first..=last).map(|i| ("", i as f64 / per_second)).collect();
     flight(vehicle, &wanted)
 }

@@ -121,11 +121,8 @@ impl Plan {
             cant: 0.0,
         };
         let test = &study.yaw_roll;
-        let yaw_roll_test = Disturbance {
-            misalignment: test.misalignment,
-            gust: test.gust,
-            cant: test.cant,
-        };
+        let yaw_roll_test =
+            Disturbance { misalignment: test.misalignment, gust: test.gust, cant: test.cant };
         let initial = YawRollInitial {
             yaw_rad: test.yaw_deg.to_radians(),
             yaw_rate_radps: test.yaw_rate_dps.to_radians(),
@@ -140,11 +137,7 @@ impl Plan {
         for (condition, entry) in self.conditions.iter().enumerate() {
             let changes_something = entry.is_a_change();
             for (point, planned) in self.points.iter().enumerate() {
-                if entry
-                    .points
-                    .as_ref()
-                    .is_some_and(|names| !names.contains(&planned.name))
-                {
+                if entry.points.as_ref().is_some_and(|names| !names.contains(&planned.name)) {
                     continue;
                 }
                 let Some(frozen) = entry.freeze(vehicle, &planned.slice) else {
@@ -218,10 +211,7 @@ impl Condition {
             };
             change.quantity.set(&mut frozen, value);
         }
-        QUANTITIES
-            .iter()
-            .all(|q| q.range.contains(q.get(&frozen)))
-            .then_some(frozen)
+        QUANTITIES.iter().all(|q| q.range.contains(q.get(&frozen))).then_some(frozen)
     }
 }
 
@@ -258,10 +248,7 @@ mod tests {
     use crate::{file_fault::FileFaults, study::short_period::study_file::SHIPPED_TEXT};
 
     fn plan(text: &str) -> Result<Plan, StudyError> {
-        Plan::new(
-            &Study::from_toml("user.toml", text)?,
-            &Vehicle::shipped().unwrap(),
-        )
+        Plan::new(&Study::from_toml("user.toml", text)?, &Vehicle::shipped().unwrap())
     }
 
     #[test]
@@ -287,22 +274,14 @@ mod tests {
         // The data set's neighbouring points are at 30 and 35 s.
         assert!((31.0..34.0).contains(&at("max-q").0));
         let peak = at("max-q").1.dynamic_pressure_pa;
-        assert!(
-            plan.points
-                .iter()
-                .all(|p| p.slice.airframe.dynamic_pressure_pa <= peak)
-        );
+        assert!(plan.points.iter().all(|p| p.slice.airframe.dynamic_pressure_pa <= peak));
     }
 
     #[test]
     fn runs_that_cannot_differ_are_left_out() {
         let plan = plan(SHIPPED_TEXT).unwrap();
         let runs = |condition: &str| -> Vec<&str> {
-            let index = plan
-                .conditions
-                .iter()
-                .position(|c| c.name == condition)
-                .unwrap();
+            let index = plan.conditions.iter().position(|c| c.name == condition).unwrap();
             plan.pitch
                 .iter()
                 .filter(|c| c.condition == index && c.disturbed)
@@ -332,10 +311,7 @@ mod tests {
         assert_eq!(plan.points[case.point].name, "mach-two");
         // 0.5 deg in rad, one rounding each way.
         assert!((case.settings.plane.dead_zone.to_degrees() - 0.5).abs() < 1e-15);
-        assert_eq!(
-            case.frozen.thrust_n,
-            0.9 * plan.points[case.point].slice.airframe.thrust_n
-        );
+        assert_eq!(case.frozen.thrust_n, 0.9 * plan.points[case.point].slice.airframe.thrust_n);
         assert!(plan.yaw_roll.iter().all(|c| c.condition != case.condition));
     }
 

@@ -140,12 +140,7 @@ mod tests {
             quantity.set(&mut point, 1000.0 + index as f64);
         }
         for (index, quantity) in QUANTITIES.iter().enumerate() {
-            assert_eq!(
-                quantity.get(&point),
-                1000.0 + index as f64,
-                "{}",
-                quantity.name
-            );
+            assert_eq!(quantity.get(&point), 1000.0 + index as f64, "{}", quantity.name);
         }
     }
 }

@@ -82,10 +82,8 @@ fn plane_derivative(plane: &Plane, command: f64, fin_force: f64, x: &[f64], dx: 
     dx[GYRO_SLOPE] = plane.gyro_spring * (station_rate - x[GYRO]) - plane.gyro_drag * x[GYRO_SLOPE];
     let attitude_error = command - (x[THETA] + plane.imu_slope * x[ETA]);
     let tvc_error = attitude_error - plane.tvc_lead * x[GYRO];
-    let tvc_command = limited(
-        plane.tvc_gain * dead_zone(tvc_error, plane.dead_zone),
-        plane.tvc_limit,
-    );
+    let tvc_command =
+        limited(plane.tvc_gain * dead_zone(tvc_error, plane.dead_zone), plane.tvc_limit);
     dx[TVC] = plane.tvc_bandwidth * (tvc_command - x[TVC]);
     let ftc_error = attitude_error - plane.ftc_lead * x[GYRO];
     dx[FILTERED] = plane.filter_pole * (ftc_error - x[FILTERED]);
@@ -95,13 +93,7 @@ fn plane_derivative(plane: &Plane, command: f64, fin_force: f64, x: &[f64], dx: 
 fn pitch_derivative(settings: &PitchSettings, x: &[f64; PITCH]) -> [f64; PITCH] {
     let plane = &settings.plane;
     let mut dx = [0.0; PITCH];
-    plane_derivative(
-        plane,
-        settings.command_rad,
-        plane.tip_force * x[TIP],
-        x,
-        &mut dx,
-    );
+    plane_derivative(plane, settings.command_rad, plane.tip_force * x[TIP], x, &mut dx);
     dx[TIP] = tip_slope(plane, plane.ftc_gain * x[FILTERED], x[TIP]);
     dx
 }
@@ -113,11 +105,7 @@ fn yaw_roll_derivative(settings: &YawRollSettings, x: &[f64; YAW_ROLL]) -> [f64;
     let yaw_force = plane.tip_force * (x[TIP2] + x[TIP4]) / 2.0;
     let roll_force = plane.tip_force * (x[TIP2] - x[TIP4]) / 2.0;
     plane_derivative(plane, 0.0, yaw_force, x, &mut dx);
-    let yaw_share = if settings.dedicated {
-        0.0
-    } else {
-        plane.ftc_gain * x[FILTERED]
-    };
+    let yaw_share = if settings.dedicated { 0.0 } else { plane.ftc_gain * x[FILTERED] };
     let roll_share = -settings.roll_gain * (x[ROLL] + settings.roll_lead * x[ROLL_GYRO]);
     dx[TIP2] = tip_slope(plane, yaw_share + roll_share, x[TIP2]);
     dx[TIP4] = tip_slope(plane, yaw_share - roll_share, x[TIP4]);
@@ -234,14 +222,8 @@ pub fn answer(plan: &Plan, step_s: f64) -> (Vec<PitchResponse>, Vec<YawRollRespo
         steps: (plan.sample_s / step_s).ceil().max(1.0) as usize,
     };
     (
-        plan.pitch
-            .iter()
-            .map(|case| pitch(&case.settings, &grid))
-            .collect(),
-        plan.yaw_roll
-            .iter()
-            .map(|case| yaw_roll(&case.settings, &grid))
-            .collect(),
+        plan.pitch.iter().map(|case| pitch(&case.settings, &grid)).collect(),
+        plan.yaw_roll.iter().map(|case| yaw_roll(&case.settings, &grid)).collect(),
     )
 }
 
@@ -252,35 +234,17 @@ mod tests {
     use crate::study::short_period::point::tests::numbered;
 
     fn initial() -> YawRollInitial {
-        YawRollInitial {
-            yaw_rad: 0.04,
-            yaw_rate_radps: 0.0,
-            roll_rad: 0.35,
-            roll_rate_radps: 0.0,
-        }
+        YawRollInitial { yaw_rad: 0.04, yaw_rate_radps: 0.0, roll_rad: 0.35, roll_rate_radps: 0.0 }
     }
 
-    const DISTURBED: Disturbance = Disturbance {
-        misalignment: 1.0,
-        gust: 1.0,
-        cant: 1.0,
-    };
+    const DISTURBED: Disturbance = Disturbance { misalignment: 1.0, gust: 1.0, cant: 1.0 };
 
     /// Corners are not located, so that the error falls with the square of the step.
     #[test]
     fn halving_the_step_changes_nothing_that_is_judged() {
         let point = numbered();
         let settings = PitchSettings::new(&point, &DISTURBED, 0.035);
-        let run = |steps| {
-            pitch(
-                &settings,
-                &Grid {
-                    samples: 300,
-                    sample_s: 0.02,
-                    steps,
-                },
-            )
-        };
+        let run = |steps| pitch(&settings, &Grid { samples: 300, sample_s: 0.02, steps });
         let (coarse, fine) = (run(20), run(40));
         for (a, b) in coarse.theta_rad().iter().zip(fine.theta_rad()) {
             // A corner costs at most ½·h²·(jump of slope): ½·(1 ms)²·(20 rad/s²·20 1/s).
@@ -292,39 +256,16 @@ mod tests {
     #[test]
     fn yaw_without_roll_is_pitch_from_an_offset() {
         let point = numbered();
-        let grid = Grid {
-            samples: 200,
-            sample_s: 0.02,
-            steps: 20,
-        };
-        let level = YawRollInitial {
-            roll_rad: 0.0,
-            ..initial()
-        };
-        let yaw_disturbance = Disturbance {
-            cant: 0.0,
-            ..DISTURBED
-        };
-        let yaw = yaw_roll(
-            &YawRollSettings::new(&point, &yaw_disturbance, level, false),
-            &grid,
-        );
+        let grid = Grid { samples: 200, sample_s: 0.02, steps: 20 };
+        let level = YawRollInitial { roll_rad: 0.0, ..initial() };
+        let yaw_disturbance = Disturbance { cant: 0.0, ..DISTURBED };
+        let yaw = yaw_roll(&YawRollSettings::new(&point, &yaw_disturbance, level, false), &grid);
         assert!(yaw.roll_rad().iter().all(|phi| *phi == 0.0));
         assert_eq!(yaw.tip2_rad(), yaw.tip4_rad());
         // Reversing every input reverses every answer: the model is odd.
-        let opposite = YawRollInitial {
-            yaw_rad: -level.yaw_rad,
-            ..level
-        };
-        let reversed = Disturbance {
-            misalignment: -1.0,
-            gust: -1.0,
-            cant: 0.0,
-        };
-        let mirrored = yaw_roll(
-            &YawRollSettings::new(&point, &reversed, opposite, false),
-            &grid,
-        );
+        let opposite = YawRollInitial { yaw_rad: -level.yaw_rad, ..level };
+        let reversed = Disturbance { misalignment: -1.0, gust: -1.0, cant: 0.0 };
+        let mirrored = yaw_roll(&YawRollSettings::new(&point, &reversed, opposite, false), &grid);
         for (a, b) in yaw.yaw_rad().iter().zip(mirrored.yaw_rad()) {
             assert_eq!(*a, -*b);
         }
@@ -337,20 +278,9 @@ mod tests {
         point.roll_damping_nms = 0.0;
         point.tip_rate_radps = 1e6;
         point.ftc_time_constant_s = 1e-3;
-        let far = YawRollInitial {
-            yaw_rad: 0.0,
-            roll_rad: 3.0,
-            ..initial()
-        };
+        let far = YawRollInitial { yaw_rad: 0.0, roll_rad: 3.0, ..initial() };
         let settings = YawRollSettings::new(&point, &Disturbance::NONE, far, true);
-        let run = yaw_roll(
-            &settings,
-            &Grid {
-                samples: 20,
-                sample_s: 0.02,
-                steps: 100,
-            },
-        );
+        let run = yaw_roll(&settings, &Grid { samples: 20, sample_s: 0.02, steps: 100 });
         let acceleration =
             point.tip_force_slope_nprad * point.tip_travel_rad * point.tip_roll_arm_m
                 / point.roll_inertia_kgm2;

@@ -35,14 +35,12 @@ pub const YAW_ROLL_CHANNELS: [&str; 12] = [
 ];
 
 /// Units of [`PITCH_CHANNELS`].
-pub const PITCH_UNITS: [&str; 10] = [
-    "rad", "rad/s", "rad", "m", "N", "N", "rad", "m/s", "rad/s", "rad",
-];
+pub const PITCH_UNITS: [&str; 10] =
+    ["rad", "rad/s", "rad", "m", "N", "N", "rad", "m/s", "rad/s", "rad"];
 
 /// Units of [`YAW_ROLL_CHANNELS`].
-pub const YAW_ROLL_UNITS: [&str; 12] = [
-    "rad", "rad/s", "rad", "rad/s", "rad", "rad/s", "m", "N", "N", "N", "rad", "rad",
-];
+pub const YAW_ROLL_UNITS: [&str; 12] =
+    ["rad", "rad/s", "rad", "rad/s", "rad", "rad/s", "m", "N", "N", "N", "rad", "rad"];
 
 /// A run's samples: shape `[channel][sample]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,10 +59,7 @@ impl<const N: usize> Response<N> {
     /// An empty response.
     #[must_use]
     pub fn new(sample_s: f64) -> Self {
-        Response {
-            sample_s,
-            columns: std::array::from_fn(|_| Vec::new()),
-        }
+        Response { sample_s, columns: std::array::from_fn(|_| Vec::new()) }
     }
 
     /// Appends the samples of one instant, in channel order.

@@ -18,10 +18,7 @@ const SAMPLE_MS: std::ops::RangeInclusive<u32> = 1..=100;
 pub(super) fn study(file: &str, text: &str) -> Result<Study, FileFaults> {
     let source = Source { file, text };
     let raw: RawStudy = source.parse()?;
-    let mut check = Check {
-        source,
-        faults: Vec::new(),
-    };
+    let mut check = Check { source, faults: Vec::new() };
     let study = check.study(raw);
     FileFaults::unless(check.faults, study)
 }
@@ -123,10 +120,7 @@ impl Check<'_> {
             );
         }
         let pitch = *raw.pitch.get_ref();
-        self.finite(
-            &raw.pitch,
-            &[pitch.step_deg, pitch.misalignment, pitch.gust],
-        );
+        self.finite(&raw.pitch, &[pitch.step_deg, pitch.misalignment, pitch.gust]);
         if pitch.step_deg == 0.0 {
             self.fault(
                 &raw.pitch,
@@ -158,11 +152,7 @@ impl Check<'_> {
             pitch,
             yaw_roll: yaw,
             points: raw.point.into_iter().map(|p| self.point(p)).collect(),
-            conditions: raw
-                .condition
-                .into_iter()
-                .map(|c| self.condition(c, &names))
-                .collect(),
+            conditions: raw.condition.into_iter().map(|c| self.condition(c, &names)).collect(),
         }
     }
 
@@ -227,11 +217,7 @@ impl Check<'_> {
         };
         self.finite(&raw.at, &numbers);
         if numbers[0] < 0.0 {
-            self.fault(
-                &raw.at,
-                "a point before lift-off",
-                "give a value of 0 or more",
-            );
+            self.fault(&raw.at, "a point before lift-off", "give a value of 0 or more");
         }
         PointEntry {
             name: raw.name.get_ref().clone(),
@@ -302,11 +288,7 @@ impl Check<'_> {
         Condition {
             name: raw.name.get_ref().clone(),
             title: raw.title,
-            changes: raw
-                .change
-                .iter()
-                .filter_map(|change| self.change(change))
-                .collect(),
+            changes: raw.change.iter().filter_map(|change| self.change(change)).collect(),
             gains,
             gyro_station_m: raw.gyro_station_m,
             needs_ftc,
@@ -314,9 +296,7 @@ impl Check<'_> {
             yaw_roll: loops.1,
             overshoot: raw.overshoot,
             dedicated: raw.dedicated,
-            points: raw
-                .points
-                .map(|list| list.into_iter().map(Spanned::into_inner).collect()),
+            points: raw.points.map(|list| list.into_iter().map(Spanned::into_inner).collect()),
         }
     }
 

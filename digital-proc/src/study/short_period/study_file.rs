@@ -208,10 +208,7 @@ impl GainSource {
 impl Study {
     /// The file, for faults that only a vehicle shows.
     pub(super) fn source(&self) -> Source<'_> {
-        Source {
-            file: &self.file,
-            text: &self.text,
-        }
+        Source { file: &self.file, text: &self.text }
     }
 
     /// The shipped study.
@@ -250,14 +247,9 @@ mod tests {
         let study = Study::shipped().unwrap();
         assert_eq!(study.points.len(), 13);
         let names: Vec<_> = study.conditions.iter().map(|c| c.name.as_str()).collect();
-        for name in [
-            "normal",
-            "gyro-aft",
-            "tvc-slow",
-            "tvc-fast",
-            "ftc-gain-lost",
-            "gains-not-switched",
-        ] {
+        for name in
+            ["normal", "gyro-aft", "tvc-slow", "tvc-fast", "ftc-gain-lost", "gains-not-switched"]
+        {
             assert!(names.contains(&name), "{name}");
         }
     }
@@ -265,11 +257,7 @@ mod tests {
     #[test]
     fn misspelt_names_get_their_line_and_the_nearest_known_one() {
         for (right, wrong, near) in [
-            (
-                "\"tip-force-slope\"",
-                "\"tip-force-slop\"",
-                "tip-force-slope",
-            ),
+            ("\"tip-force-slope\"", "\"tip-force-slop\"", "tip-force-slope"),
             ("event = \"max-q\"", "event = \"max-Q\"", "max-q"),
             ("gains = \"reduced\"", "gains = \"reducd\"", "reduced"),
             ("gyro-station-m", "gyro-staton-m", "gyro-station-m"),

@@ -66,9 +66,7 @@ impl Head {
     fn parse(bytes: &[u8]) -> Option<(Head, &[u8])> {
         let (head, rest) = bytes.split_at_checked(HEAD)?;
         let number = |at: usize| {
-            head.get(at..at + 4)
-                .and_then(|b| b.try_into().ok())
-                .map(u32::from_le_bytes)
+            head.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes)
         };
         let kind = match number(0)? {
             0 => Kind::Part,
@@ -76,20 +74,13 @@ impl Head {
             2 => Kind::Pull,
             _ => return None,
         };
-        let head = Head {
-            kind,
-            index: number(4)?,
-            count: number(8)?,
-        };
+        let head = Head { kind, index: number(4)?, count: number(8)? };
         Some((head, rest))
     }
 }
 
 fn garbled(detail: &str) -> LinkFault {
-    LinkFault::Transport {
-        doing: "reading a control message",
-        detail: detail.to_owned(),
-    }
+    LinkFault::Transport { doing: "reading a control message", detail: detail.to_owned() }
 }
 
 fn bincode_config() -> impl bincode::config::Config {
@@ -111,11 +102,7 @@ fn encode(message: &impl Serialize) -> Result<Vec<u8>, LinkFault> {
 fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, LinkFault> {
     let (message, used) = bincode::serde::decode_from_slice(bytes, bincode_config())
         .map_err(fault("reading a control message"))?;
-    if used == bytes.len() {
-        Ok(message)
-    } else {
-        Err(garbled("bytes are left over"))
-    }
+    if used == bytes.len() { Ok(message) } else { Err(garbled("bytes are left over")) }
 }
 
 /// A message on its way out.
@@ -135,11 +122,7 @@ impl Outgoing {
         let count = self.count();
         let start = (index as usize).checked_mul(PART)?;
         let end = (start + PART).min(self.bytes.len());
-        let head = Head {
-            kind: Kind::Part,
-            index,
-            count,
-        };
+        let head = Head { kind: Kind::Part, index, count };
         (index < count).then(|| self.bytes.get(start..end).map(|part| (head, part)))?
     }
 
@@ -204,12 +187,7 @@ impl Server {
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
             .map_err(fault("creating the control server"))?;
-        Ok(Server {
-            port,
-            incoming: Incoming::default(),
-            asked: None,
-            outgoing: None,
-        })
+        Ok(Server { port, incoming: Incoming::default(), asked: None, outgoing: None })
     }
 
     /// Moves the exchange on; gives the request when its last part has come.
@@ -228,10 +206,7 @@ impl Server {
                 request.map(Some)
             }
             Kind::Part => {
-                let taken = Head {
-                    kind: Kind::Taken,
-                    ..head
-                };
+                let taken = Head { kind: Kind::Taken, ..head };
                 respond(&active, taken, &[], bell)?;
                 Ok(None)
             }
@@ -252,17 +227,9 @@ impl Server {
     }
 
     pub(super) fn reply(&mut self, reply: &Reply, bell: &Bell) -> Result<(), LinkFault> {
-        let active = self
-            .asked
-            .take()
-            .ok_or_else(|| garbled("a reply without a request"))?;
-        let outgoing = self.outgoing.insert(Outgoing {
-            bytes: encode(reply)?,
-            next: 1,
-        });
-        let (head, part) = outgoing
-            .part(0)
-            .ok_or_else(|| garbled("a reply without parts"))?;
+        let active = self.asked.take().ok_or_else(|| garbled("a reply without a request"))?;
+        let outgoing = self.outgoing.insert(Outgoing { bytes: encode(reply)?, next: 1 });
+        let (head, part) = outgoing.part(0).ok_or_else(|| garbled("a reply without parts"))?;
         respond(&active, head, part, bell)
     }
 
@@ -280,14 +247,9 @@ impl Server {
 }
 
 fn respond(active: &Active, head: Head, part: &[u8], bell: &Bell) -> Result<(), LinkFault> {
-    let response = active
-        .loan_slice_uninit(HEAD + part.len())
-        .map_err(fault("loaning a reply"))?;
+    let response = active.loan_slice_uninit(HEAD + part.len()).map_err(fault("loaning a reply"))?;
     let head = head.bytes();
-    response
-        .write_from_fn(|i| byte_at(&head, part, i))
-        .send()
-        .map_err(fault("sending a reply"))?;
+    response.write_from_fn(|i| byte_at(&head, part, i)).send().map_err(fault("sending a reply"))?;
     bell.ring();
     Ok(())
 }
@@ -315,19 +277,12 @@ impl Client {
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
             .map_err(fault("creating the control client"))?;
-        Ok(Client {
-            pending: None,
-            port,
-            outgoing: None,
-            incoming: Incoming::default(),
-        })
+        Ok(Client { pending: None, port, outgoing: None, incoming: Incoming::default() })
     }
 
     fn ask(&self, head: Head, part: &[u8], bell: &Bell) -> Result<Pending, LinkFault> {
-        let request = self
-            .port
-            .loan_slice_uninit(HEAD + part.len())
-            .map_err(fault("loaning a request"))?;
+        let request =
+            self.port.loan_slice_uninit(HEAD + part.len()).map_err(fault("loaning a request"))?;
         let head = head.bytes();
         let pending = request
             .write_from_fn(|i| byte_at(&head, part, i))
@@ -350,10 +305,7 @@ impl Client {
 
     pub(super) fn put(&mut self, request: &Request, bell: &Bell) -> Result<(), LinkFault> {
         self.incoming = Incoming::default();
-        self.outgoing = Some(Outgoing {
-            bytes: encode(request)?,
-            next: 0,
-        });
+        self.outgoing = Some(Outgoing { bytes: encode(request)?, next: 0 });
         self.push(bell)
     }
 
@@ -391,11 +343,7 @@ impl Client {
             }
             Kind::Part => {
                 drop(response);
-                let pull = Head {
-                    kind: Kind::Pull,
-                    index: self.incoming.next,
-                    count: head.count,
-                };
+                let pull = Head { kind: Kind::Pull, index: self.incoming.next, count: head.count };
                 self.pending = None;
                 self.pending = Some(self.ask(pull, &[], bell)?);
                 Ok(None)

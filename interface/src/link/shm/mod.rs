@@ -92,14 +92,7 @@ impl ShmAnalog {
                 ))
             })?;
             peer.meet(patience)?;
-            let ports = AnalogPorts {
-                samples,
-                updates,
-                server,
-                _node: node,
-                goodbye: false,
-                peer,
-            };
+            let ports = AnalogPorts { samples, updates, server, _node: node, goodbye: false, peer };
             let mut end = AnalogEnd::new(ports, Protocol::new(), patience);
             end.greet()?;
             // All connections are made here, under supervision, and none in a frame.
@@ -136,13 +129,7 @@ impl ShmDigital {
                 ))
             })?;
             peer.meet(patience)?;
-            let ports = DigitalPorts {
-                samples,
-                updates,
-                client,
-                _node: node,
-                peer,
-            };
+            let ports = DigitalPorts { samples, updates, client, _node: node, peer };
             let mut end = DigitalEnd::new(ports, Protocol::new(), patience);
             end.greet()?;
             let made = end.wire().updates.update_connections();
@@ -265,14 +252,8 @@ struct Peer {
 impl Peer {
     fn new(session: &Session, child: Option<u32>) -> Result<Peer, LinkFault> {
         let partner = match child {
-            Some(pid) => Some(
-                session
-                    .child(pid)
-                    .map_err(fault("watching the started partner"))?,
-            ),
-            None => session
-                .partner()
-                .map_err(fault("looking for the partner"))?,
+            Some(pid) => Some(session.child(pid).map_err(fault("watching the started partner"))?),
+            None => session.partner().map_err(fault("looking for the partner"))?,
         };
         if partner.is_none() && session.joined() {
             // It was there when this side joined: it is not late, it is dead.
@@ -288,12 +269,7 @@ impl Peer {
         }
         let bell = Bell::mapped(&session.root().join("bell"), session.side())
             .map_err(fault("mapping the session's bell"))?;
-        Ok(Peer {
-            side: session.side().partner(),
-            progress,
-            bell,
-            session: session.clone(),
-        })
+        Ok(Peer { side: session.side().partner(), progress, bell, session: session.clone() })
     }
 
     /// Makes a node and ports on it, again and again while the partner is making
@@ -363,8 +339,7 @@ impl Watch for Peer {
     }
 
     fn epitaph(&self) -> String {
-        self.partner()
-            .map_or_else(|| "it never came".to_owned(), Partner::epitaph)
+        self.partner().map_or_else(|| "it never came".to_owned(), Partner::epitaph)
     }
 
     fn stopped(&self) -> bool {
@@ -419,10 +394,7 @@ fn expect_side(session: &Session, side: Side) -> Result<(), LinkFault> {
 
 /// Wraps the transport's own words.
 fn fault<E: std::fmt::Display>(doing: &'static str) -> impl FnOnce(E) -> LinkFault {
-    move |error| LinkFault::Transport {
-        doing,
-        detail: error.to_string(),
-    }
+    move |error| LinkFault::Transport { doing, detail: error.to_string() }
 }
 
 fn config(session: &Session) -> Result<Config, LinkFault> {
@@ -486,20 +458,14 @@ fn publisher<F: ZeroCopySend + std::fmt::Debug + 'static>(
 fn subscriber<F: ZeroCopySend + std::fmt::Debug + 'static>(
     service: &FrameService<F>,
 ) -> Result<Subscriber<ipc::Service, F, ()>, LinkFault> {
-    service
-        .subscriber_builder()
-        .create()
-        .map_err(fault("creating a subscriber"))
+    service.subscriber_builder().create().map_err(fault("creating a subscriber"))
 }
 
 fn publish<F: ZeroCopySend + std::fmt::Debug + 'static>(
     publisher: &Publisher<ipc::Service, F, ()>,
     frame: F,
 ) -> Result<(), LinkFault> {
-    let sample = publisher
-        .loan_uninit()
-        .map_err(fault("loaning a frame"))?
-        .write_payload(frame);
+    let sample = publisher.loan_uninit().map_err(fault("loaning a frame"))?.write_payload(frame);
     sample.send().map_err(fault("sending a frame"))?;
     Ok(())
 }

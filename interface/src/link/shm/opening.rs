@@ -74,12 +74,7 @@ pub(super) fn supervised<E: 'static>(
         }
         match &overdue {
             None => {
-                let fault = due(
-                    &progress,
-                    patience,
-                    started,
-                    session.side().partner().name(),
-                );
+                let fault = due(&progress, patience, started, session.side().partner().name());
                 overdue = fault.map(|fault| (Instant::now(), fault));
             }
             Some((since, _)) if since.elapsed() < GRACE => {}
@@ -103,11 +98,7 @@ fn due(
         return Some(interrupted);
     }
     if let Some(partner) = progress.partner.get().filter(|partner| partner.ended()) {
-        return Some(LinkFault::PartnerDied {
-            side,
-            frame: 0,
-            detail: partner.epitaph(),
-        });
+        return Some(LinkFault::PartnerDied { side, frame: 0, detail: partner.epitaph() });
     }
     // Later waits are our own and keep their own limits.
     let limit = patience.arrival.unwrap_or(patience.silence);

@@ -27,21 +27,11 @@ const BENDING_SENTENCE: &str =
     "The generalised co-ordinate associated with the first bending mode attenuates rapidly";
 
 pub(super) fn p1(runs: &PitchRuns) -> Claim {
-    let overshoot = Worst::of(
-        true,
-        runs.quiet(NORMAL)
-            .map(|(c, m)| (m.overshoot, runs.point(c))),
-    );
-    let residual = Worst::of(
-        true,
-        runs.disturbed(NORMAL)
-            .map(|(c, m)| (m.residual, runs.point(c))),
-    );
-    let reduced = Worst::of(
-        true,
-        runs.quiet("reduced-schedule")
-            .map(|(c, m)| (m.overshoot, runs.point(c))),
-    );
+    let overshoot = Worst::of(true, runs.quiet(NORMAL).map(|(c, m)| (m.overshoot, runs.point(c))));
+    let residual =
+        Worst::of(true, runs.disturbed(NORMAL).map(|(c, m)| (m.residual, runs.point(c))));
+    let reduced =
+        Worst::of(true, runs.quiet("reduced-schedule").map(|(c, m)| (m.overshoot, runs.point(c))));
     Claim {
         id: "P1",
         sentence: "For a step command in pitch, the normal mode response of θ is found to be \
@@ -51,20 +41,10 @@ pub(super) fn p1(runs: &PitchRuns) -> Claim {
             100.0 * OVERSHOOT_P1,
             100.0 * RESIDUAL_P1
         ),
-        measured: format!(
-            "overshoot {}, residual {}",
-            overshoot.percent(),
-            residual.percent()
-        ),
-        verdict: both(
-            overshoot.against(OVERSHOOT_P1),
-            residual.against(RESIDUAL_P1),
-        ),
+        measured: format!("overshoot {}, residual {}", overshoot.percent(), residual.percent()),
+        verdict: both(overshoot.against(OVERSHOOT_P1), residual.against(RESIDUAL_P1)),
         remark: (reduced.against(OVERSHOOT_P1) == Verdict::Fails).then(|| {
-            format!(
-                "the reduced schedule does not meet it: overshoot {}",
-                reduced.percent()
-            )
+            format!("the reduced schedule does not meet it: overshoot {}", reduced.percent())
         }),
     }
 }
@@ -151,11 +131,7 @@ pub(super) fn p4(runs: &PitchRuns) -> Claim {
         verdict,
         remark: Some(format!(
             "this reading contradicts the rapid attenuation of the mode; it also grows at {}",
-            if later.is_empty() {
-                "no later point".to_owned()
-            } else {
-                later.join(", ")
-            }
+            if later.is_empty() { "no later point".to_owned() } else { later.join(", ") }
         )),
     }
 }
@@ -163,8 +139,7 @@ pub(super) fn p4(runs: &PitchRuns) -> Claim {
 fn bending<'a>(runs: &PitchRuns<'a>, condition: &str, window: usize) -> Worst<'a> {
     Worst::of(
         true,
-        runs.disturbed(condition)
-            .map(|(c, m)| (m.bending_ratio(window), runs.point(c))),
+        runs.disturbed(condition).map(|(c, m)| (m.bending_ratio(window), runs.point(c))),
     )
 }
 

@@ -11,8 +11,7 @@ const SHARE_AFTER: f64 = 0.20;
 pub(super) fn y1(runs: &YawRollRuns) -> Claim {
     let held = Worst::of(
         false,
-        runs.allocated(false)
-            .map(|(c, m)| (Some(m.tips_given_to_roll_s), runs.point(c))),
+        runs.allocated(false).map(|(c, m)| (Some(m.tips_given_to_roll_s), runs.point(c))),
     );
     Claim {
         id: "Y1",
@@ -27,11 +26,8 @@ pub(super) fn y1(runs: &YawRollRuns) -> Claim {
 }
 
 pub(super) fn y2(runs: &YawRollRuns) -> Claim {
-    let called = Worst::of(
-        true,
-        runs.allocated(false)
-            .map(|(c, m)| (m.tvc_called_s, runs.point(c))),
-    );
+    let called =
+        Worst::of(true, runs.allocated(false).map(|(c, m)| (m.tvc_called_s, runs.point(c))));
     Claim {
         id: "Y2",
         sentence: "… calling in the TVC for the yaw axis",
@@ -45,11 +41,8 @@ pub(super) fn y2(runs: &YawRollRuns) -> Claim {
 }
 
 pub(super) fn y3(runs: &YawRollRuns) -> Claim {
-    let share = Worst::of(
-        false,
-        runs.allocated(false)
-            .map(|(c, m)| (m.yaw_share_after, runs.point(c))),
-    );
+    let share =
+        Worst::of(false, runs.allocated(false).map(|(c, m)| (m.yaw_share_after, runs.point(c))));
     Claim {
         id: "Y3",
         sentence: "Fin tips become effective in yaw after the roll error is reduced",
@@ -78,11 +71,8 @@ pub(super) fn y4(runs: &YawRollRuns) -> Claim {
             Some((gained, runs.point(dedicated)))
         }),
     );
-    let roll = Worst::of(
-        true,
-        runs.allocated(true)
-            .map(|(c, m)| (m.roll_settling_s, runs.point(c))),
-    );
+    let roll =
+        Worst::of(true, runs.allocated(true).map(|(c, m)| (m.roll_settling_s, runs.point(c))));
     Claim {
         id: "Y4",
         sentence: "using the fin tips exclusively for the roll channel and the TVC correspondingly \
@@ -95,10 +85,7 @@ pub(super) fn y4(runs: &YawRollRuns) -> Claim {
         measured: format!("least gain {}", gain.seconds()),
         verdict: gain.against(0.0),
         remark: roll.found.map(|_| {
-            format!(
-                "roll then settles to {ROLL_BAND_DEG}° at the latest in {}",
-                roll.seconds()
-            )
+            format!("roll then settles to {ROLL_BAND_DEG}° at the latest in {}", roll.seconds())
         }),
     }
 }
