@@ -29,6 +29,8 @@ const MOST_EDGES: usize = 65_536;
 pub(crate) struct Happenings {
     pub edges: Vec<Edge>,
     pub overloads: Vec<LatchedOverload>,
+    /// Elements that jump and left their first region, though they may have come back to it.
+    pub switched: Vec<u32>,
 }
 
 impl Happenings {
@@ -122,6 +124,7 @@ impl Machine {
             match step {
                 Settle::Decide(e) => {
                     let (block, element) = self.elements[*e as usize];
+                    let before = f.region[*e as usize];
                     let choice = match element.choose(*e as usize, self, f, nets, sharp) {
                         Ok(choice) => choice,
                         Err(Fatal::NegativeRoot) => {
@@ -131,6 +134,9 @@ impl Machine {
                         Err(fault) => return Err(fatal(self, block, fault, t_s)),
                     };
                     moved |= choice.moved;
+                    if before == 0 && f.region[*e as usize] != 0 && element.jumps() {
+                        happenings.switched.push(*e);
+                    }
                     if choice.overloaded {
                         let value = element.watched_net().map_or(f64::NAN, |s| nets[s as usize]);
                         happenings.overloads.push(LatchedOverload { block, t_s, value });

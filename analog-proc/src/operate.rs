@@ -274,8 +274,10 @@ impl Engine {
         machine.settle(frozen, ics, t_s, nets, nets_before, initial, happenings)?;
         self.statistics.edges_lost += self.happenings.drop_oldest_edges();
         self.overloads.append(&mut self.happenings.overloads);
+        self.count_switchings()?;
         self.step.y0.copy_from_slice(&self.nets[..n]);
         self.size_up(true);
+        self.forget_directions();
         // Again for each vector at zero: its direction may hang on that of another.
         for _ in 0..=self.machine.paces.len() {
             self.machine.derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);

@@ -111,6 +111,7 @@ impl Engine {
         }
     }
 
+    /// An element is about to be left.
     pub(super) fn count_chatter(&mut self, element: u32) -> Result<(), RunFault> {
         let span_s = CHATTER_SPAN * self.t_s.abs().max(LEAST_TIME_S);
         if self.t_s - self.chatter_from_s > span_s {
@@ -118,16 +119,27 @@ impl Engine {
             self.chatter = 0;
         }
         self.chatter += 1;
-        let (block, piecewise) = self.machine.elements[element as usize];
-        let counts = piecewise.jumps() && self.frozen.region[element as usize] == 0;
-        let accumulates = counts && self.switched[element as usize].accumulates(self.t_s);
-        if self.chatter < CHATTER_EVENTS && !accumulates {
-            return Ok(());
+        if self.chatter < CHATTER_EVENTS { Ok(()) } else { Err(self.chatters(element)) }
+    }
+
+    /// After settling: none of what switched does so ever more quickly.
+    pub(super) fn count_switchings(&mut self) -> Result<(), RunFault> {
+        while let Some(element) = self.happenings.switched.pop() {
+            let switched = &mut self.switched[element as usize];
+            // Once an instant: what repeats within one is a logic race.
+            if self.t_s > switched.at_s && switched.accumulates(self.t_s) {
+                return Err(self.chatters(element));
+            }
         }
-        Err(RunFault::Chatter {
+        Ok(())
+    }
+
+    fn chatters(&self, element: u32) -> RunFault {
+        let (block, _) = self.machine.elements[element as usize];
+        RunFault::Chatter {
             t_s: self.t_s,
             block: self.machine.block_name(block),
             events: self.chatter,
-        })
+        }
     }
 }

@@ -16,6 +16,9 @@ const ABSENT: f64 = -1e300;
 /// Rounding of a state that was reached by steps of different length, in parts of it.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// Further from zero than this part of the greatest net, no rounding makes a side positive.
+const NEAR: f64 = 1e-9;
+
 /// The sides of all watched regions at one instant of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
@@ -66,6 +69,15 @@ impl Engine {
         start.doubted = false;
         sides(&self.machine, region, &self.rated_start, &mut start.sides);
         self.look_at_paces();
+    }
+
+    /// Before the directions of vectors at zero are found: what they were does not count.
+    pub(super) fn forget_directions(&mut self) {
+        for (pace, _) in &self.machine.paces {
+            if let Pace::Direction { e, .. } = *pace {
+                self.frozen.piece[e as usize].y0 = 0.0;
+            }
+        }
     }
 
     /// After settling: a vector that is zero has the angle to which it leaves; zero, if it does not
@@ -149,7 +161,7 @@ impl Engine {
         for doubted in &mut self.doubted[..self.step.y0.len()] {
             doubted.doubt = ROUNDING * doubted.value.abs();
         }
-        let t_s = self.step.t0_s + theta * self.step.h_s;
+        let t_s = if at_start { self.t_s } else { self.step.t0_s + theta * self.step.h_s };
         for op in &self.machine.watch {
             self.machine.evaluate(op, &self.frozen, t_s, &mut self.doubted);
         }
@@ -158,10 +170,16 @@ impl Engine {
     /// Before settling: a signal that is within rounding of a surface and moves away from it has
     /// not crossed it, unless something jumps.
     pub(super) fn hold_what_leaves(&mut self) {
+        let greatest = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let near = NEAR * greatest;
+        let sides = &self.nodes[START].sides;
+        if sides.iter().any(|side| side.rate < 0.0 && side.value.abs() <= near) {
+            self.find_noise(START);
+        }
         let start = &self.nodes[START];
         let sides = start.sides.iter().zip(&start.noise);
         for (held, (side, noise)) in self.frozen.held.iter_mut().zip(sides) {
-            let leaves = side.rate < 0.0 && side.value.abs() <= *noise;
+            let leaves = start.doubted && side.rate < 0.0 && side.value.abs() <= *noise;
             *held = if leaves { *noise } else { 0.0 };
         }
     }

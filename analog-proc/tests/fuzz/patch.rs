@@ -151,7 +151,7 @@ impl Patch {
         format!("[blocks]\n{}\n", lines.join("\n"))
     }
 
-    /// The same with every number off by up to `relative`, and every integrator's input by as
+    /// The same with every number off by up to `relative`, and the input of all that integrates by as
     /// much of one: what errors of the size `relative` in every step can do.
     pub fn perturbed(&self, relative: f64, random: &mut Random) -> Patch {
         let mut patch = self.clone();
@@ -164,7 +164,8 @@ impl Patch {
             for (_, field) in &mut block.fields {
                 field.numbers(&mut each);
             }
-            if block.kind == "integrator" && relative > 0.0 {
+            let integrates = matches!(block.kind, "integrator" | "lag" | "rate-limiter");
+            if integrates && relative > 0.0 {
                 block
                     .inputs
                     .push(Term { c: relative * random.between(-1.0, 1.0), net: OFFSET.into() });
