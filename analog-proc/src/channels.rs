@@ -94,13 +94,11 @@ pub struct Channels {
 
 impl Channels {
     /// ADC channels in a scan.
-    #[must_use]
     pub fn adc_count(&self) -> usize {
         self.adc.len()
     }
 
     /// From the first to the last hold of a scan; `None` where no tick can hold it.
-    #[must_use]
     pub fn scan_time(&self, skew: Tick) -> Option<Tick> {
         skew.checked_mul(self.adc.len().saturating_sub(1) as u64)
     }
@@ -162,13 +160,11 @@ impl Channels {
     }
 
     /// Aperture of the track-and-hold; zero is off.
-    #[must_use]
     pub fn aperture(&self) -> Tick {
         self.profile.aperture()
     }
 
     /// What the `index`-th ADC channel sees now.
-    #[must_use]
     pub fn seen(&self, index: usize, simulation: &Simulation) -> f64 {
         simulation.net(self.adc[index].net)
     }
@@ -221,7 +217,6 @@ impl Channels {
     }
 
     /// The next instant after `from` at which an interpolating hold has reached its value.
-    #[must_use]
     pub fn next_arrival(&self, from: Tick) -> Option<Tick> {
         self.dac.iter().filter_map(|d| d.hold.piece().end).filter(|end| *end > from).min()
     }

@@ -21,7 +21,6 @@ pub(crate) struct Checked {
 }
 
 /// Whether a kind takes logic inputs.
-#[must_use]
 pub fn takes_logic(kind: &Kind) -> bool {
     matches!(
         kind,

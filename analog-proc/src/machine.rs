@@ -131,13 +131,11 @@ impl Machine {
     }
 
     /// Number of integrators, those inside lags, followers and backlashes included.
-    #[must_use]
     pub fn states(&self) -> usize {
         self.states
     }
 
     /// Number of folded operations and sums in one derivative pass.
-    #[must_use]
     pub fn operations(&self) -> usize {
         self.kernel.len()
     }

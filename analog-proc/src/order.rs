@@ -27,19 +27,16 @@ pub struct Ordered {
 
 impl Ordered {
     /// Files of the patch, for messages.
-    #[must_use]
     pub fn sources(&self) -> &Sources {
         &self.sources
     }
 
     /// Name of the root file.
-    #[must_use]
     pub fn root(&self) -> &str {
         &self.root
     }
 
     /// The `note` of a block.
-    #[must_use]
     pub fn note(&self, block: BlockId) -> Option<&str> {
         let at = self.notes.binary_search_by_key(&block, |(id, _)| *id);
         at.ok().map(|at| self.notes[at].1.as_str())

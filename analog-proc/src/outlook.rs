@@ -45,7 +45,6 @@ pub enum Warning {
 
 /// Warnings for a method of step `step_s` (of the fixed-step methods) on a patch with this
 /// Jacobian, per second.
-#[must_use]
 pub fn warnings(jacobian: &DMatrix<f64>, method: Method, step_s: f64) -> Vec<Warning> {
     if jacobian.is_empty() || jacobian.iter().any(|x| !x.is_finite()) {
         return Vec::new();

@@ -28,7 +28,6 @@ pub struct RecordFault {
 
 impl RecordFault {
     /// Whether the program that read standard output has had enough, as `head` has.
-    #[must_use]
     pub fn reader_left(&self) -> bool {
         self.reader_left
     }

@@ -121,26 +121,22 @@ impl Simulation {
     }
 
     /// The initial condition of a block with a state.
-    #[must_use]
     pub fn ic(&self, block: BlockId) -> Option<f64> {
         let state = (*self.engine.machine.state_of_block.get(block.index())?)?;
         Some(self.engine.ics[state as usize])
     }
 
     /// Problem time, to the nearest tick.
-    #[must_use]
     pub fn now(&self) -> Tick {
         Tick::from_secs(self.engine.t_s).unwrap_or(Tick(i64::MAX))
     }
 
     /// Problem time, s.
-    #[must_use]
     pub fn now_s(&self) -> f64 {
         self.engine.t_s
     }
 
     /// The mode.
-    #[must_use]
     pub fn mode(&self) -> Mode {
         self.mode
     }
@@ -246,14 +242,12 @@ impl Simulation {
     }
 
     /// Present value of a net.
-    #[must_use]
     pub fn net(&self, net: NetId) -> f64 {
         let slot = self.engine.machine.slot_of_net.get(net.index());
         slot.map_or(f64::NAN, |s| self.engine.nets[*s as usize])
     }
 
     /// Present derivative of a block with a state, per second.
-    #[must_use]
     pub fn derivative(&self, block: BlockId) -> Option<f64> {
         let state = (*self.engine.machine.state_of_block.get(block.index())?)?;
         Some(self.engine.step.f0[state as usize])
@@ -324,7 +318,6 @@ impl Simulation {
     }
 
     /// Present level of a sense line; false where none is patched.
-    #[must_use]
     pub fn sense(&self, line: u32) -> bool {
         let senses = &self.engine.machine.senses;
         senses
@@ -333,7 +326,6 @@ impl Simulation {
     }
 
     /// Overloads latched since the last reset, in order of time.
-    #[must_use]
     pub fn overloads(&self) -> &[LatchedOverload] {
         &self.engine.overloads
     }
@@ -388,26 +380,22 @@ impl Simulation {
     }
 
     /// What the patch's settings make of a run from the present state.
-    #[must_use]
     pub fn outlook(&mut self) -> Vec<outlook::Warning> {
         let Integration { method, step_s, .. } = self.engine.integration;
         outlook::warnings(&self.engine.jacobian(), method, step_s)
     }
 
     /// What the reader of the results should know, since the last reset.
-    #[must_use]
     pub fn remarks(&self) -> Vec<Remark> {
         self.engine.remarks()
     }
 
     /// Counts since the last reset.
-    #[must_use]
     pub fn statistics(&self) -> Statistics {
         self.engine.pulse().statistics
     }
 
     /// The program.
-    #[must_use]
     pub fn machine(&self) -> &Machine {
         &self.engine.machine
     }

@@ -76,7 +76,6 @@ pub struct Console<'p> {
 
 impl<'p> Console<'p> {
     /// Over a port whose two ends have greeted each other.
-    #[must_use]
     pub fn new(port: &'p mut dyn DigitalPort) -> Console<'p> {
         Console { port, channels: Vec::new(), patch_hash: String::new() }
     }
@@ -102,13 +101,11 @@ impl<'p> Console<'p> {
     }
 
     /// SHA-256 of the loaded patch, hexadecimal.
-    #[must_use]
     pub fn patch_hash(&self) -> &str {
         &self.patch_hash
     }
 
     /// Every channel of the loaded patch.
-    #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }

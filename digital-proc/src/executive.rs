@@ -17,26 +17,22 @@ impl Rate {
     pub const FAST: Rate = Rate { every: 1 };
 
     /// Due in each `every`-th fast frame, the first included; `None` for 0.
-    #[must_use]
     pub fn every(every: u64) -> Option<Rate> {
         (every > 0).then_some(Rate { every })
     }
 
     /// Whether the task is due in fast frame n.
-    #[must_use]
     pub fn due(self, frame: u64) -> bool {
         frame.is_multiple_of(self.every)
     }
 
     /// Fast frames in one period of the task.
-    #[must_use]
     pub fn fast_frames(self) -> u64 {
         self.every
     }
 
     /// The fast frame period for which this task has the period `slow`; `None`
     /// when it would not be a whole number of nanoseconds.
-    #[must_use]
     pub fn fast_period(self, slow: Tick) -> Option<Tick> {
         let every = i64::try_from(self.every).ok()?;
         (slow.0 % every == 0).then(|| Tick(slow.0 / every))

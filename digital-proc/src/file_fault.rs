@@ -91,7 +91,6 @@ impl Source<'_> {
     }
 
     /// A fault at a byte range of the text.
-    #[must_use]
     pub fn fault(
         &self,
         span: Range<usize>,
@@ -107,7 +106,6 @@ impl Source<'_> {
     }
 
     /// What the TOML reader refused.
-    #[must_use]
     pub fn reader_fault(&self, error: &toml::de::Error) -> FileFault {
         let message = error.message().trim().replace('\n', " ");
         let mut quoted = message.split('`').skip(1).step_by(2);
@@ -131,7 +129,6 @@ impl Source<'_> {
     }
 
     /// Line and column, counted from 1 in characters, of a byte.
-    #[must_use]
     pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |n| n + 1);
@@ -140,7 +137,6 @@ impl Source<'_> {
 }
 
 /// "did you mean `x`?" with the nearest of the known names, or all of them if none is near.
-#[must_use]
 pub fn suggestion<'a>(unknown: &str, known: impl Iterator<Item = &'a str>) -> String {
     // Below this similarity a suggestion misleads more often than it helps.
     const SIMILAR: f64 = 0.7;

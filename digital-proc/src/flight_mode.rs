@@ -131,7 +131,6 @@ pub enum Part {
 
 impl Part {
     /// In words.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Part::RollGain => "roll gain",
@@ -148,7 +147,6 @@ impl Part {
 
 impl FlightScript {
     /// A flight on which nothing fails.
-    #[must_use]
     pub fn sound() -> Self {
         Self {
             name: FlightMode::Normal.name().to_owned(),
@@ -182,7 +180,6 @@ pub struct ControlSettings {
 
 impl ControlSettings {
     /// Settings of a sound vehicle on the designed schedule.
-    #[must_use]
     pub fn sound(vehicle: &Vehicle, time_s: f64) -> Self {
         let data = &vehicle.data().gains;
         Self {
@@ -198,13 +195,11 @@ impl ControlSettings {
     }
 
     /// K_F in force in pitch and yaw, rad of tip per rad.
-    #[must_use]
     pub fn ftc_gain(&self) -> [f64; 2] {
         self.ftc_factor.map(|f| f * self.gains.ftc_gain)
     }
 
     /// K_T in force in pitch and yaw, N/rad.
-    #[must_use]
     pub fn tvc_gain_nprad(&self) -> [f64; 2] {
         self.tvc_factor.map(|f| f * self.gains.tvc_gain_nprad)
     }
@@ -213,7 +208,6 @@ impl ControlSettings {
 /// Settings under a script at a flight time. No action acts before
 /// `not_before_s`: earlier ones wait until then. The schedule is a design, not a
 /// failure: it holds throughout.
-#[must_use]
 pub fn control_settings(
     vehicle: &Vehicle,
     script: &FlightScript,

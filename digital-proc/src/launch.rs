@@ -127,7 +127,6 @@ impl Started {
     }
 
     /// Pid of the analog process, if this side started it.
-    #[must_use]
     pub fn partner_pid(&self) -> Option<u32> {
         match &self.partner {
             Partner::Process(guard) => Some(guard.child.id()),

@@ -16,7 +16,6 @@ pub struct Progress {
 
 impl Progress {
     /// `total` pieces of `unit` are to be done.
-    #[must_use]
     pub fn new(total: u64, unit: &'static str) -> Progress {
         Progress { bar: None, started: Instant::now(), total, unit }
     }

@@ -25,7 +25,6 @@ impl Saturations {
     }
 
     /// The saturated channels as `ADC alpha`, in the order of `channels`.
-    #[must_use]
     pub fn names(&self, channels: &[Channel]) -> Vec<String> {
         let set = |mask: u64, bit: u32| mask >> (bit % 64) & 1 == 1;
         channels

@@ -182,14 +182,12 @@ impl Vehicle {
 
     /// First-mode slope (1/m) at another gyro station, m from the nozzle exit; `None`
     /// off the table, where the mode is not known.
-    #[must_use]
     pub fn gyro_slope_at_station(&self, station_m: f64) -> Option<f64> {
         let lookup = self.gyro_slope_pm.lookup(station_m);
         (lookup.edge == Edge::Inside).then_some(lookup.value)
     }
 
     /// First and last station of the mode's slope table, m from the nozzle exit.
-    #[must_use]
     pub fn gyro_stations_m(&self) -> [f64; 2] {
         let stations = self.gyro_slope_pm.abscissae();
         [stations[0], stations[stations.len() - 1]]

@@ -43,20 +43,17 @@ impl CoefficientUnit {
     }
 
     /// Sets every coefficient exactly.
-    #[must_use]
     pub fn ideal() -> CoefficientUnit {
         CoefficientUnit { bits: None, range: None }
     }
 
     /// Smallest change of the coefficient, unless the bits are off.
-    #[must_use]
     pub fn lsb(&self) -> Option<f64> {
         let (bits, range) = self.bits.zip(self.range)?;
         Some(range / f64::from(1_u32 << (bits - 1)))
     }
 
     /// Sets a coefficient.
-    #[must_use]
     pub fn set(&self, wanted: f64) -> Setting {
         let non_finite = !wanted.is_finite();
         let Some(range) = self.range else {

@@ -111,7 +111,7 @@ pub fn exit(code: u8, text: &str) -> ExitCode {
     ExitCode::from(if code == 0 { OUTPUT_FAILED } else { code })
 }
 
-/// As `println!`, but a failure is kept for [`exit`](crate::command_line::exit).
+/// As `println!`, but a failure is kept for `command_line::exit`.
 #[macro_export]
 macro_rules! say {
     () => { $crate::command_line::write_out(format_args!("\n")) };

@@ -20,7 +20,6 @@ impl PatchBundle {
     /// SHA-256 of the root's name and every file by name, hexadecimal; each text is
     /// preceded by its length, so that no two bundles share their bytes. The order in
     /// which the files are listed does not matter.
-    #[must_use]
     pub fn hash(&self) -> String {
         let mut sha = Sha256::new();
         let mut text = |text: &str| {

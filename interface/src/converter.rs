@@ -70,20 +70,17 @@ impl Converter {
     }
 
     /// Passes every f64 unchanged.
-    #[must_use]
     pub fn ideal() -> Converter {
         Converter { bits: None, full_scale: None }
     }
 
     /// Least significant bit in the units of the full scale, unless the bits are off.
-    #[must_use]
     pub fn lsb(&self) -> Option<f64> {
         let (bits, scale) = self.bits.zip(self.full_scale)?;
         Some(scale / half_codes(bits))
     }
 
     /// Value of a code, unless the bits are off.
-    #[must_use]
     pub fn value_of(&self, code: Code) -> Option<f64> {
         let (bits, scale) = self.bits.zip(self.full_scale)?;
         // One rounding: the quotient is an exact power of two times the code.
@@ -91,7 +88,6 @@ impl Converter {
     }
 
     /// Converts one value.
-    #[must_use]
     pub fn convert(&self, input: f64) -> Conversion {
         let non_finite = !input.is_finite();
         let Some(scale) = self.full_scale else {

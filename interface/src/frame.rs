@@ -147,7 +147,6 @@ pub struct Updates {
 
 impl Samples {
     /// An empty frame.
-    #[must_use]
     pub fn new(frame: u64, tick: Tick, state: RunState) -> Samples {
         Samples {
             frame,
@@ -169,7 +168,6 @@ impl Samples {
     }
 
     /// State of the analog side; a number that is none counts as a fault.
-    #[must_use]
     pub fn run_state(&self) -> RunState {
         match self.state {
             0 => RunState::Operate,
@@ -180,14 +178,12 @@ impl Samples {
     }
 
     /// The told transfers in order of time.
-    #[must_use]
     pub fn transfers(&self) -> &[Transfer] {
         let count = usize::try_from(self.transfer_count).unwrap_or(usize::MAX);
         &self.transfers[..count.min(TRANSFERS_PER_FRAME)]
     }
 
     /// The recorded edges in order of time.
-    #[must_use]
     pub fn edges(&self) -> &[Edge] {
         &self.edges[..(self.edge_count as usize).min(EDGES_PER_FRAME)]
     }
@@ -195,7 +191,6 @@ impl Samples {
 
 impl Updates {
     /// An update that changes nothing.
-    #[must_use]
     pub fn new(frame: u64, effective: Tick) -> Updates {
         Updates {
             frame,
@@ -239,7 +234,6 @@ impl Updates {
     }
 
     /// The mode command; a number that is none counts as `End`.
-    #[must_use]
     pub fn mode_command(&self) -> ModeCommand {
         match self.mode {
             0 => ModeCommand::Continue,

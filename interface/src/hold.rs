@@ -42,7 +42,6 @@ pub struct Piece {
 
 impl Piece {
     /// Output at `t`, which is not before `start`.
-    #[must_use]
     pub fn at(&self, t: Tick) -> f64 {
         let until = self.end.map_or(t, |end| end.min(t));
         self.value + self.slope * (until - self.start).secs()
@@ -59,7 +58,6 @@ pub struct Hold {
 
 impl Hold {
     /// Holds `value` until the first transfer.
-    #[must_use]
     pub fn new(kind: HoldKind, value: f64) -> Hold {
         Hold { kind, last: None, piece: Piece { start: Tick::ZERO, value, slope: 0.0, end: None } }
     }
@@ -90,7 +88,6 @@ impl Hold {
     }
 
     /// The piece that holds now.
-    #[must_use]
     pub fn piece(&self) -> Piece {
         self.piece
     }
@@ -104,21 +101,18 @@ pub struct Settling {
 
 impl Settling {
     /// A lag; a time constant that is not positive and finite counts as off.
-    #[must_use]
     pub fn new(time_constant_s: f64) -> Settling {
         let on = time_constant_s.is_finite() && time_constant_s > 0.0;
         Settling { time_constant_s: if on { time_constant_s } else { 0.0 } }
     }
 
     /// The time constant, s; zero when off.
-    #[must_use]
     pub fn time_constant_s(&self) -> f64 {
         self.time_constant_s
     }
 
     /// Output `elapsed_s` after it was `start`, driven by `value + slope·t`:
     /// `y = u(t) − bτ + (y0 − a + bτ)·e^(−t/τ)`, the exact solution of τẏ = u − y.
-    #[must_use]
     pub fn after(&self, start: f64, value: f64, slope: f64, elapsed_s: f64) -> f64 {
         let tau = self.time_constant_s;
         let driven = value + slope * elapsed_s;

@@ -13,7 +13,6 @@ const FEW: u32 = 2;
 
 /// The processor that both sides are to share: the one on which this thread runs;
 /// `None` on a machine that has others to spare.
-#[must_use]
 pub fn to_share() -> Option<u32> {
     let allowed = sched_getaffinity(None).ok()?;
     (allowed.count() <= FEW).then(|| sched_getcpu() as u32)
@@ -27,7 +26,6 @@ pub struct Kept {
 
 impl Kept {
     /// On `processor`; `None` where this thread may not run there, and so stays free.
-    #[must_use]
     pub fn on(processor: u32) -> Option<Kept> {
         let index = usize::try_from(processor).ok()?;
         let before = sched_getaffinity(None).ok()?;

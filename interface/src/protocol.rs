@@ -36,7 +36,6 @@ pub enum Side {
 
 impl Side {
     /// Name of the process, as errors print it.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Side::Analog => "analog-proc",
@@ -45,7 +44,6 @@ impl Side {
     }
 
     /// The other end.
-    #[must_use]
     pub fn partner(self) -> Side {
         match self {
             Side::Analog => Side::Digital,
@@ -115,44 +113,37 @@ impl Default for Protocol {
 
 impl Protocol {
     /// A session whose two sides have not met: only a greeting has a place.
-    #[must_use]
     pub fn new() -> Protocol {
         Protocol { phase: Phase::Greeting, mode: Mode::PotSet, frame: 0 }
     }
 
     /// A session between two ends of one build, which need no greeting.
-    #[must_use]
     pub fn greeted() -> Protocol {
         Protocol { phase: Phase::Idle, ..Protocol::new() }
     }
 
     /// The last frame that was begun.
-    #[must_use]
     pub fn frame(&self) -> u64 {
         self.frame
     }
 
     /// Mode of the machine.
-    #[must_use]
     pub fn mode(&self) -> Mode {
         self.mode
     }
 
     /// Whether frames flow (as against requests).
-    #[must_use]
     pub fn operating(&self) -> bool {
         matches!(self.phase, Phase::Operating(_))
     }
 
     /// Whether frame numbers may skip: in a session paced by the wall clock an
     /// overrun loses frames, in lock-step nothing ever is.
-    #[must_use]
     pub fn may_skip(&self) -> bool {
         matches!(&self.phase, Phase::Operating(run) if matches!(run.clock, Clock::Wall { .. }))
     }
 
     /// Whether the session ended by `Bye`.
-    #[must_use]
     pub fn closed(&self) -> bool {
         self.phase == Phase::Closed
     }

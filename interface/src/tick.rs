@@ -30,7 +30,6 @@ impl Tick {
     pub const SECOND: Tick = Tick(1_000_000_000);
 
     /// The nearest tick to `seconds`; `None` when not finite or out of range.
-    #[must_use]
     pub fn from_secs(seconds: f64) -> Option<Tick> {
         let ns = (seconds * 1e9).round();
         // i64::MAX as f64 rounds up to 2^63, which itself does not fit.
@@ -38,14 +37,12 @@ impl Tick {
     }
 
     /// Seconds of problem time, rounded once.
-    #[must_use]
     pub fn secs(self) -> f64 {
         // Exact for |t| < 2^53 ns (104 days), then one correctly rounded division.
         self.0 as f64 / 1e9
     }
 
     /// `n` times this duration; `None` on overflow.
-    #[must_use]
     pub fn checked_mul(self, n: u64) -> Option<Tick> {
         i64::try_from(n).ok().and_then(|n| self.0.checked_mul(n)).map(Tick)
     }

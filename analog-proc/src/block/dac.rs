@@ -20,7 +20,6 @@ pub struct DacPiece {
 
 impl DacPiece {
     /// A value held from `from_s` on, without settling.
-    #[must_use]
     pub fn held(value: f64, from_s: f64) -> DacPiece {
         DacPiece { value, slope_per_s: 0.0, from_s, settling_s: 0.0 }
     }

@@ -116,7 +116,6 @@ impl Channels {
     }
 
     /// The channels as the digital side is told of them.
-    #[must_use]
     pub fn describe(&self, netlist: &Netlist) -> Vec<Channel> {
         let mut described = Vec::new();
         for block in &netlist.blocks {

@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 
 /// The class of equipment that a kind takes from a machine; `None` for what every machine has
 /// without number (constants, problem time).
-#[must_use]
 pub fn class(kind: &Kind) -> Option<BlockClass> {
     Some(match kind {
         Kind::Integrator { .. }
@@ -54,7 +53,6 @@ pub fn class(kind: &Kind) -> Option<BlockClass> {
 }
 
 /// Blocks of each class that a net needs.
-#[must_use]
 pub fn needs(netlist: &Netlist) -> BTreeMap<BlockClass, u32> {
     let mut needs = BTreeMap::new();
     for class in netlist.blocks.iter().filter_map(|block| class(&block.kind)) {

@@ -133,7 +133,6 @@ fn expect_output(out: &Path, patch: &Path, formats: &[&str]) -> Result<(), Failu
 }
 
 /// Runs `analog-proc` on this process' arguments.
-#[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     command_line::end_without_reader();

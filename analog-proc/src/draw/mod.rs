@@ -69,7 +69,6 @@ text { fill: #1b2a41; text-anchor: middle; font-size: 11px; }
 ";
 
 /// Draws a patch.
-#[must_use]
 pub fn svg(ordered: &Ordered) -> String {
     let netlist = &ordered.netlist;
     let mut graph = graph::build(ordered);

@@ -291,7 +291,6 @@ pub enum Kind {
 
 impl Kind {
     /// Whether the output is logic (0 or 1).
-    #[must_use]
     pub fn is_logic(&self) -> bool {
         matches!(
             self,
@@ -310,7 +309,6 @@ impl Kind {
     /// Whether the output is a stored value, so that no input reaches it within an instant.
     ///
     /// Flip-flops, one-shots and counters store: they change at events, after their inputs.
-    #[must_use]
     pub fn is_store(&self) -> bool {
         matches!(
             self,
@@ -326,7 +324,6 @@ impl Kind {
     }
 
     /// Nets read by fields other than the inputs (levels, mode control).
-    #[must_use]
     pub fn side_nets(&self) -> Vec<NetId> {
         let level = |l: &Level| match l {
             Level::Net(n) => Some(*n),

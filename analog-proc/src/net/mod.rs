@@ -20,7 +20,6 @@ pub struct BlockId(pub u32);
 
 impl NetId {
     /// As an index.
-    #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -28,7 +27,6 @@ impl NetId {
 
 impl BlockId {
     /// As an index.
-    #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize
     }

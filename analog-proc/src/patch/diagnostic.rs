@@ -44,19 +44,16 @@ macro_rules! patch_faults {
             pub const CODES: &'static [&'static str] = &[$($code),*];
 
             /// Code of this kind of fault.
-            #[must_use]
             pub fn code_name(&self) -> &'static str {
                 match self { $( PatchFault::$name { .. } => $code, )* }
             }
 
             /// File and byte range.
-            #[must_use]
             pub fn place(&self) -> (&Source, SourceSpan) {
                 match self { $( PatchFault::$name { src, at, .. } => (src, *at), )* }
             }
 
             /// What to do about it.
-            #[must_use]
             pub fn remedy(&self) -> &str {
                 match self { $( PatchFault::$name { help, .. } => help, )* }
             }

@@ -21,7 +21,6 @@ pub struct Sources {
 impl Sources {
     /// The files of a bundle, in its order. A bundle without files gets one
     /// empty file, so that span 0 always has a text.
-    #[must_use]
     pub fn new(bundle: &PatchBundle) -> Self {
         let mut files: Vec<Source> = bundle
             .files
@@ -35,7 +34,6 @@ impl Sources {
     }
 
     /// Name of a file.
-    #[must_use]
     pub fn name(&self, file: u32) -> &str {
         self.source(file).name()
     }
@@ -46,14 +44,12 @@ impl Sources {
     }
 
     /// Text of a span.
-    #[must_use]
     pub fn text(&self, span: Span) -> &str {
         let text = self.source(span.file).inner();
         text.get(span.start as usize..span.end as usize).unwrap_or("")
     }
 
     /// Source and byte range, cut to the text, as diagnostics want them.
-    #[must_use]
     pub fn place(&self, span: Span) -> (Source, SourceSpan) {
         let source = self.source(span.file).clone();
         let length = source.inner().len();
@@ -63,7 +59,6 @@ impl Sources {
     }
 
     /// Line and column (in characters) of the start of a span, both from 1.
-    #[must_use]
     pub fn line_column(&self, span: Span) -> (usize, usize) {
         line_column(self.source(span.file).inner(), span.start as usize)
     }
@@ -192,13 +187,11 @@ impl PatchFaults {
     }
 
     /// The faults, in order of file and place.
-    #[must_use]
     pub fn faults(&self) -> &[PatchFault] {
         &self.faults
     }
 
     /// The faults as flat records.
-    #[must_use]
     pub fn to_list(&self) -> Vec<FaultRecord> {
         self.faults
             .iter()
@@ -218,13 +211,11 @@ impl PatchFaults {
     }
 
     /// All faults with source excerpts, without colour.
-    #[must_use]
     pub fn render(&self) -> String {
         self.render_with(GraphicalTheme::unicode_nocolor())
     }
 
     /// All faults with source excerpts, in terminal colours.
-    #[must_use]
     pub fn render_coloured(&self) -> String {
         self.render_with(GraphicalTheme::unicode())
     }

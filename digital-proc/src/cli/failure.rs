@@ -38,7 +38,6 @@ impl Failure {
     }
 
     /// The same failure with a further line.
-    #[must_use]
     pub fn and(mut self, line: impl std::fmt::Display) -> Failure {
         self.text = format!("{}\n{line}", self.text.trim_end());
         self

@@ -149,7 +149,6 @@ impl MachineArgs {
 }
 
 /// Runs `digital-proc` on this process' arguments.
-#[must_use]
 pub fn main(analog: AnalogEntry) -> ExitCode {
     let cli = Cli::parse();
     command_line::end_without_reader();

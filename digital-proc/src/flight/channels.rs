@@ -107,7 +107,6 @@ pub struct AttitudeSample {
 
 impl Sampled {
     /// Reads one frame.
-    #[must_use]
     pub fn read(&self, samples: &Samples) -> AttitudeSample {
         let at = |channel: usize| samples.adc[channel];
         AttitudeSample {
@@ -123,7 +122,6 @@ impl Sampled {
 }
 
 /// The updates as presets by name, to be set before OPERATE.
-#[must_use]
 pub fn as_presets(console: &Console<'_>, updates: &Updates) -> Vec<(String, f64)> {
     let set = |mask: u64, bit: u32| mask >> bit & 1 == 1;
     console

@@ -67,7 +67,6 @@ pub struct FrameResult {
 
 impl<'v> FlightLaw<'v> {
     /// At lift-off; `step` is the trajectory step, `slow` its rate in fast frames.
-    #[must_use]
     pub fn new(
         vehicle: &'v Vehicle,
         case: &'v FlightCase,
@@ -92,13 +91,11 @@ impl<'v> FlightLaw<'v> {
     }
 
     /// The channels that it reads and sets.
-    #[must_use]
     pub fn channels(&self) -> &StageChannels {
         &self.channels
     }
 
     /// α at lift-off, to which the redundant integrator is set.
-    #[must_use]
     pub fn initial_incidence_rad(&self) -> f64 {
         let flow = trajectory::flow_at(&self.case.wind, &self.state);
         let pitch = self.vehicle.pitch_programme().at(0.0).pitch_rad;

@@ -93,7 +93,6 @@ pub enum FlightFault {
 }
 
 /// The stage patch and its sub-patches, as shipped.
-#[must_use]
 pub fn stage_patch() -> PatchBundle {
     let file = |name: &str, text: &str| (name.to_owned(), text.to_owned());
     PatchBundle {

@@ -51,7 +51,6 @@ pub struct Pacing {
 
 impl Pacing {
     /// For frames of this period.
-    #[must_use]
     pub fn new(frame: Tick) -> Pacing {
         Pacing {
             frame,
@@ -94,38 +93,32 @@ impl Pacing {
     }
 
     /// By how much samples went out after their deadline, a frame each, in order.
-    #[must_use]
     pub fn lateness(&self) -> &[Tick] {
         &self.lateness
     }
 
     /// A tenth of a frame, and the frames whose samples were later than that.
-    #[must_use]
     pub fn jitter(&self) -> (Tick, usize) {
         let margin = Tick(self.frame.0 / JITTER_PARTS);
         (margin, self.lateness.iter().filter(|by| **by > margin).count())
     }
 
     /// Frames so far.
-    #[must_use]
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
     /// From sample to transfer, a frame each, in order.
-    #[must_use]
     pub fn latencies(&self) -> &[Tick] {
         &self.latencies
     }
 
     /// Every overrun in the order in which it was told.
-    #[must_use]
     pub fn overruns(&self) -> &[Overrun] {
         &self.overruns
     }
 
     /// Frames with an overrun of either kind.
-    #[must_use]
     pub fn frames_overrun(&self) -> u64 {
         let mut frames: Vec<u64> = self.overruns.iter().map(|o| o.frame).collect();
         frames.sort_unstable();
@@ -134,7 +127,6 @@ impl Pacing {
     }
 
     /// For machines: counts, quantiles of latency and lateness in seconds, and every overrun.
-    #[must_use]
     pub fn json(&self) -> Value {
         let of = |times: &[Tick], part| quantile(times, part).map(Tick::secs);
         let latency = |part| of(&self.latencies, part);
@@ -169,7 +161,6 @@ impl Pacing {
 }
 
 /// The time that `part` (0 to 1) of `times` do not exceed; `None` without any.
-#[must_use]
 pub fn quantile(times: &[Tick], part: f64) -> Option<Tick> {
     let mut sorted = times.to_vec();
     sorted.sort_unstable();

@@ -25,7 +25,6 @@ pub enum Timing<'a> {
 
 impl Timing<'_> {
     /// As the analog side is told; on the wall clock both sides may have to share a processor.
-    #[must_use]
     pub fn clock(self) -> Clock {
         match self {
             Timing::LockStep => Clock::LockStep,
@@ -35,7 +34,6 @@ impl Timing<'_> {
     }
 
     /// The instant that updates of `frame` must carry; `None` leaves it to the analog side.
-    #[must_use]
     pub fn effective(self, frame: u64) -> Option<Tick> {
         match self {
             Timing::LockStep | Timing::Wall => None,
@@ -86,7 +84,6 @@ impl TransferLog {
     }
 
     /// When updates of `frame` took effect, if they did.
-    #[must_use]
     pub fn at(&self, frame: u64) -> Option<Tick> {
         self.transfers
             .binary_search_by_key(&frame, |t| t.frame)
@@ -95,7 +92,6 @@ impl TransferLog {
     }
 
     /// All of them.
-    #[must_use]
     pub fn transfers(&self) -> &[Transfer] {
         &self.transfers
     }

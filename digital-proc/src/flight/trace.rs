@@ -49,26 +49,22 @@ const COLUMNS: [Reader; 34] = [
 ];
 
 /// The columns in order.
-#[must_use]
 pub fn columns() -> Vec<Column> {
     COLUMNS.iter().map(|(name, unit, _)| Column::new(*name, *unit)).collect()
 }
 
 /// One row.
-#[must_use]
 pub fn row(samples: &Samples, result: &FrameResult) -> [f64; COLUMNS.len()] {
     std::array::from_fn(|i| COLUMNS[i].2(samples, result))
 }
 
 /// The column of the transfers beside their ticks: the frame whose updates took effect.
 /// A frame number is exact as a float up to 2⁵³.
-#[must_use]
 pub fn transfer_columns() -> [Column; 1] {
     [Column::new("frame", "")]
 }
 
 /// One transfer.
-#[must_use]
 pub fn transfer_row(transfer: &Transfer) -> [f64; 1] {
     [transfer.frame as f64]
 }

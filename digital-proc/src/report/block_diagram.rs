@@ -19,7 +19,6 @@ pub struct Partition {
 
 impl Partition {
     /// The partition of the long-period flight.
-    #[must_use]
     pub fn long_period() -> Partition {
         let list = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
         Partition {
@@ -62,7 +61,6 @@ const PITCH: f64 = 30.0;
 const TOP: f64 = 58.0;
 
 /// The diagram as SVG.
-#[must_use]
 pub fn block_diagram(partition: &Partition) -> Markup {
     let middle = partition.adc.len() + partition.dac.len() + partition.logic.len();
     let groups = [&partition.adc, &partition.dac, &partition.logic];

@@ -18,7 +18,6 @@ pub enum Verdict {
 
 impl Verdict {
     /// The mark that stands beside the words.
-    #[must_use]
     pub fn mark(self) -> char {
         match self {
             Verdict::Holds => '✓',
@@ -28,7 +27,6 @@ impl Verdict {
     }
 
     /// The verdict in words.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Verdict::Holds => "holds",
@@ -60,7 +58,6 @@ pub struct Claim {
 
 impl Claim {
     /// A study's claim as a report shows it, with the anchor of what shows it.
-    #[must_use]
     pub fn of(claim: &claim::Claim, evidence: Option<String>) -> Claim {
         Claim {
             id: claim.id.to_owned(),
@@ -79,7 +76,6 @@ impl Claim {
 }
 
 /// The table for a page, under a line that counts the verdicts.
-#[must_use]
 pub fn claims_table(claims: &[Claim]) -> Markup {
     html! {
         p { (count(claims)) }
@@ -103,7 +99,6 @@ pub fn claims_table(claims: &[Claim]) -> Markup {
 }
 
 /// The table for a terminal: a line a claim.
-#[must_use]
 pub fn claims_text(claims: &[Claim]) -> String {
     let width = |text: fn(&Claim) -> &str| {
         claims.iter().map(|c| text(c).chars().count()).max().unwrap_or(0)

@@ -40,7 +40,6 @@ pub struct FlightContext {
 }
 
 /// The figures of the ten variables, in the paper's order.
-#[must_use]
 pub fn ten_variables(context: &FlightContext) -> Vec<FigureSpec> {
     let degrees = 1f64.to_degrees();
     // Anchor, title, unit, and curves as (column, legend, factor).

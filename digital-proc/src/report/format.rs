@@ -2,7 +2,6 @@
 
 /// `value` rounded to `digits` significant digits (1 to 17), plain between 1e-4 and 1e7
 /// and with an exponent outside. ASCII, for terminals and files.
-#[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return value.to_string();
@@ -32,7 +31,6 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 /// The same for a page: a true minus sign, `1.2 × 10⁻⁵` for `1.2e-5`, `–` for NaN.
-#[must_use]
 pub fn typeset(value: f64, digits: usize) -> String {
     if value.is_nan() {
         return "–".to_owned();
@@ -52,7 +50,6 @@ pub fn typeset(value: f64, digits: usize) -> String {
 }
 
 /// An exponent in superscript digits.
-#[must_use]
 pub fn superscript(exponent: i32) -> String {
     exponent
         .to_string()
@@ -68,7 +65,6 @@ pub fn superscript(exponent: i32) -> String {
 }
 
 /// A quantity and its unit, a thin no-break space between.
-#[must_use]
 pub fn with_unit(value: f64, digits: usize, unit: &str) -> String {
     let number = typeset(value, digits);
     match unit {

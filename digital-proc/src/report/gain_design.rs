@@ -17,7 +17,6 @@ use crate::{
 use maud::{Markup, html};
 
 /// The gains of schedules against flight time, each held from switch to switch.
-#[must_use]
 pub fn schedule_charts(schedules: &[(&str, &ScheduleData)], end_s: f64) -> Vec<Markup> {
     type Row = (&'static str, &'static str, fn(&ScheduleData) -> &[f64]);
     let rows: [Row; 5] = [
@@ -85,7 +84,6 @@ fn quality_cells(q: &LoopQuality) -> [Cell; 8] {
 }
 
 /// How each interval's gains came out, a row an end of the interval.
-#[must_use]
 pub fn design_table(design: &Design) -> Table {
     let mut headings = vec![
         Heading::new("Interval from", "s"),
@@ -112,7 +110,6 @@ pub fn design_table(design: &Design) -> Table {
 }
 
 /// The criteria of a design.
-#[must_use]
 pub fn criteria_table(criteria: &Criteria) -> Table {
     let mut table = Table::new(vec![
         Heading::new("Criterion", ""),
@@ -139,7 +136,6 @@ pub fn criteria_table(criteria: &Criteria) -> Table {
 }
 
 /// A schedule judged point by point.
-#[must_use]
 pub fn evaluation_table(points: &[PointQuality]) -> Table {
     let mut headings = vec![Heading::new("Point", ""), Heading::new("Time", "s")];
     headings.extend(quality_headings());
@@ -154,7 +150,6 @@ pub fn evaluation_table(points: &[PointQuality]) -> Table {
 }
 
 /// The mergers with their flights and their re-evaluation.
-#[must_use]
 pub fn merging_table(levels: &[(&Trial, &[PointQuality])]) -> Table {
     let mut table = Table::new(vec![
         Heading::new("Switchings", "").digits(2),
@@ -188,7 +183,6 @@ pub fn merging_table(levels: &[(&Trial, &[PointQuality])]) -> Table {
 }
 
 /// The sections of the design's page.
-#[must_use]
 pub fn gain_design_sections(
     design: &Design,
     levels: &[(&Trial, &[PointQuality])],

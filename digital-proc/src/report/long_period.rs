@@ -19,7 +19,6 @@ use maud::{Markup, html};
 const MOST_CURVES: usize = 6;
 
 /// Burn-out, load and fuel of every mode in the design case.
-#[must_use]
 pub fn mode_table(results: &LongPeriodResults) -> Table {
     let mut table = Table::new(vec![
         Heading::new("Mode", ""),
@@ -59,13 +58,11 @@ fn lost(flown: &Flown) -> Cell {
 }
 
 /// Largest Qα (kPa·°) of every mode over winds and misalignments (fractions of 3σ).
-#[must_use]
 pub fn load_table(results: &LongPeriodResults) -> Table {
     by_flight(results, "kPa·°", |f| f.max_q_alpha_padeg / 1e3)
 }
 
 /// Side-force fluid (kg) of every mode over winds and misalignments (fractions of 3σ).
-#[must_use]
 pub fn fuel_table(results: &LongPeriodResults) -> Table {
     by_flight(results, "kg", |f| f.injectant_kg)
 }
@@ -98,7 +95,6 @@ fn short(wind: FlightWind) -> &'static str {
 }
 
 /// The fuel sentence (objective v).
-#[must_use]
 pub fn fuel_words(results: &LongPeriodResults) -> String {
     results.worst_fuel().map_or_else(
         || "no flight reached burn-out".to_owned(),
@@ -212,7 +208,6 @@ pub(super) fn schedule_figures(numbering: &mut Numbering, results: &LongPeriodRe
 }
 
 /// The sections of the study's page. `claims` is its table of claims.
-#[must_use]
 pub fn long_period_sections(results: &LongPeriodResults, claims: Markup) -> Vec<Section> {
     let mut numbering = Numbering::new();
     let modes = mode_tables(&mut numbering, results);

@@ -50,7 +50,6 @@ fn jitter(pacing: &Pacing) -> String {
 }
 
 /// For a terminal: counts, a histogram by thirds of a decade, the first overruns.
-#[must_use]
 pub fn pacing_text(pacing: &Pacing) -> String {
     let mut text = format!("{}\n{}\n{}\n", counted(pacing), jitter(pacing), latencies(pacing));
     // Bin k holds latencies from 10^(k/3) to 10^((k+1)/3) µs; shorter ones are in the first.
@@ -86,7 +85,6 @@ pub fn pacing_text(pacing: &Pacing) -> String {
 }
 
 /// The same as a section of a page.
-#[must_use]
 pub fn pacing_section(pacing: &Pacing) -> Section {
     let mut numbering = Numbering::new();
     let values = pacing.latencies().iter().map(|t| microseconds(*t).max(1.0));

@@ -17,7 +17,6 @@ pub struct Section {
 
 impl Section {
     /// A section; its anchor is made from its title.
-    #[must_use]
     pub fn new(title: impl Into<String>, body: Markup) -> Section {
         let title = title.into();
         Section { id: anchor(&title), title, body }
@@ -33,7 +32,6 @@ pub struct Numbering {
 
 impl Numbering {
     /// Starts at figure 1 and table 1.
-    #[must_use]
     pub fn new() -> Numbering {
         Numbering::default()
     }
@@ -62,14 +60,12 @@ impl Numbering {
 }
 
 /// Figures side by side where the page is wide enough.
-#[must_use]
 pub fn side_by_side(figures: &[Markup]) -> Markup {
     html! { div.pair { @for figure in figures { (figure) } } }
 }
 
 /// The whole page as text. `lead` says in a sentence or two what the reader sees; the
 /// contents appear from four sections on.
-#[must_use]
 pub fn page(title: &str, lead: &str, sections: &[Section]) -> String {
     html! {
         (DOCTYPE)
@@ -104,7 +100,6 @@ pub fn page(title: &str, lead: &str, sections: &[Section]) -> String {
 }
 
 /// A heading or a name as an anchor: lower case, hyphens, ASCII.
-#[must_use]
 pub fn anchor(text: &str) -> String {
     let mut anchor = String::with_capacity(text.len());
     for c in text.chars() {

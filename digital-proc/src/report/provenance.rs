@@ -6,7 +6,6 @@ use super::definition_list;
 use crate::run_dir::RunRecord;
 
 /// The record's entries, nested parameters with dotted names.
-#[must_use]
 pub fn provenance(record: &RunRecord) -> Markup {
     let mut items = vec![
         ("Command".to_owned(), record.command_line.join(" ")),

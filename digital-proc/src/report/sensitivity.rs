@@ -11,7 +11,6 @@ use crate::study::sensitivity::{
 use maud::{Markup, html};
 
 /// Dispersions ranked by the span of a measure at the point where it is widest.
-#[must_use]
 pub fn ranking_table(points: &[PointSensitivity], measure: Measure) -> Table {
     let (label, unit) = measure.label();
     let mut table = Table::new(vec![
@@ -53,7 +52,6 @@ pub fn ranking_table(points: &[PointSensitivity], measure: Measure) -> Table {
 }
 
 /// The corners that were run, beside the nominal loop.
-#[must_use]
 pub fn corner_table(points: &[PointSensitivity]) -> Table {
     let mut headings = vec![
         Heading::new("Point", ""),
@@ -87,7 +85,6 @@ pub fn corner_table(points: &[PointSensitivity]) -> Table {
 }
 
 /// The tornado of a measure at one point; a diverged run has no bar end there.
-#[must_use]
 pub fn tornado_of(point: &PointSensitivity, measure: Measure) -> Tornado {
     let (label, unit) = measure.label();
     Tornado {
@@ -138,7 +135,6 @@ pub(super) fn corners(
 }
 
 /// The sections of the page: rankings, tornado plots, corners.
-#[must_use]
 pub fn sensitivity_sections(
     points: &[PointSensitivity],
     dispersions: &Dispersions,

@@ -23,7 +23,6 @@ struct Entry {
 
 impl Summary {
     /// Nothing yet.
-    #[must_use]
     pub fn new() -> Summary {
         Summary::default()
     }
@@ -50,7 +49,6 @@ impl Summary {
     }
 
     /// Aligned lines for a terminal.
-    #[must_use]
     pub fn text(&self) -> String {
         let numbers: Vec<String> =
             self.entries.iter().map(|entry| significant(entry.value, entry.digits)).collect();
@@ -71,14 +69,12 @@ impl Summary {
     }
 
     /// An object of full-precision numbers by key; not finite becomes null.
-    #[must_use]
     pub fn json(&self) -> Value {
         let entries = self.entries.iter().map(|e| (e.key.clone(), Value::from(e.value)));
         Value::Object(entries.collect::<Map<_, _>>())
     }
 
     /// A table for a page.
-    #[must_use]
     pub fn table(&self) -> Table {
         let mut table = Table::new(
             ["Result", "Value", "Unit", ""].map(|label| Heading::new(label, "")).to_vec(),

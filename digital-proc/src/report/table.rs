@@ -56,13 +56,11 @@ pub struct Heading {
 
 impl Heading {
     /// A heading with four significant digits.
-    #[must_use]
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Heading {
         Heading { label: label.into(), unit: unit.into(), digits: 4 }
     }
 
     /// The same with another number of digits.
-    #[must_use]
     pub fn digits(mut self, digits: usize) -> Heading {
         self.digits = digits;
         self
@@ -80,7 +78,6 @@ pub struct Table {
 
 impl Table {
     /// A table without rows.
-    #[must_use]
     pub fn new(headings: Vec<Heading>) -> Table {
         Table { headings, rows: Vec::new() }
     }
@@ -91,7 +88,6 @@ impl Table {
     }
 
     /// The table for a page.
-    #[must_use]
     pub fn markup(&self) -> Markup {
         let numeric: Vec<bool> = (0..self.headings.len())
             .map(|c| self.column(c).any(|cell| matches!(cell, Cell::Number(_))))
@@ -122,7 +118,6 @@ impl Table {
     }
 
     /// The table for a terminal: columns aligned, units under the headings.
-    #[must_use]
     pub fn text(&self) -> String {
         let content = |row: &[Cell], c: usize| match row.get(c) {
             Some(Cell::Number(value)) => significant(*value, self.headings[c].digits),
@@ -172,7 +167,6 @@ impl Table {
 
     /// The table for machines: an array of objects keyed by heading; a number that is not
     /// finite becomes null.
-    #[must_use]
     pub fn json(&self) -> serde_json::Value {
         self.rows
             .iter()
@@ -198,7 +192,6 @@ impl Table {
 }
 
 /// Terms and what they are: a run's provenance, a profile's numbers.
-#[must_use]
 pub fn definition_list(items: &[(String, String)]) -> Markup {
     html! { dl { @for (term, meaning) in items { dt { (term) } dd { (meaning) } } } }
 }

@@ -64,7 +64,6 @@ pub fn trace_figure(spec: &FigureSpec, trace: &Trace, size: Size) -> Result<Mark
 }
 
 /// A report of any run: every column against time, and the provenance.
-#[must_use]
 pub fn trace_report(title: &str, trace: &Trace, record: &RunRecord) -> String {
     let time_s = trace.time_s();
     let mut numbering = Numbering::new();

@@ -51,7 +51,6 @@ impl fmt::Display for Difference {
 
 /// The first difference within the first `rows` rows, row by row; a value differs when
 /// any of its bits does, so that a NaN equals itself and the zeros differ by sign.
-#[must_use]
 pub fn first_difference(a: &Trace, b: &Trace, rows: usize) -> Option<Difference> {
     if a.columns() != b.columns() {
         return Some(Difference::Columns);

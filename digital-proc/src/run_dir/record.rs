@@ -75,7 +75,6 @@ impl<'de> Deserialize<'de> for Seed {
 
 impl RunRecord {
     /// The record of a run of this command line that starts now, with nothing set yet.
-    #[must_use]
     pub fn begin(
         command: impl Into<String>,
         started: UtcSecond,

@@ -33,7 +33,6 @@ pub struct Column {
 
 impl Column {
     /// A column of that name and unit.
-    #[must_use]
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Column {
         Column { name: name.into(), unit: unit.into() }
     }
@@ -123,7 +122,6 @@ impl<W: Write> TraceWriter<W> {
     }
 
     /// Rows pushed so far.
-    #[must_use]
     pub fn rows(&self) -> u64 {
         self.rows
     }

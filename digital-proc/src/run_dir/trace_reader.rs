@@ -91,44 +91,37 @@ impl Trace {
     }
 
     /// Its columns, the tick column left out.
-    #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
 
     /// Number of complete rows in the file.
-    #[must_use]
     pub fn recorded(&self) -> usize {
         self.recorded
     }
 
     /// Number of complete rows here; all of them, unless it was read thinned.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.ticks.len()
     }
 
     /// Whether the run ended the trace itself; otherwise rows after the last complete batch
     /// are lost.
-    #[must_use]
     pub fn is_complete(&self) -> bool {
         self.complete
     }
 
     /// Problem time of each row, ns.
-    #[must_use]
     pub fn ticks(&self) -> &[i64] {
         &self.ticks
     }
 
     /// Problem time of each row, s, rounded once.
-    #[must_use]
     pub fn time_s(&self) -> Vec<f64> {
         self.ticks.iter().map(|&ns| interface::Tick(ns).secs()).collect()
     }
 
     /// The values of column `index`, one a row.
-    #[must_use]
     pub fn values(&self, index: usize) -> Option<&[f64]> {
         self.values.get(index).map(Vec::as_slice)
     }

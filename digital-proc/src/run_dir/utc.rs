@@ -9,14 +9,12 @@ pub struct UtcSecond(pub i64);
 
 impl UtcSecond {
     /// The second in which `time` lies; 1970 when the clock stands before it.
-    #[must_use]
     pub fn from_system(time: SystemTime) -> UtcSecond {
         let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
         UtcSecond(i64::try_from(seconds).unwrap_or(i64::MAX))
     }
 
     /// `2026-03-01T12-34-56`: sorts by time and is a legal name on every file system.
-    #[must_use]
     pub fn file_name(self) -> String {
         self.to_string().replace(':', "-").replace('Z', "")
     }

@@ -140,19 +140,16 @@ impl AlphaLaw {
     }
 
     /// Angle at the slow samples, rad, up to where it left the tables.
-    #[must_use]
     pub fn record(&self) -> &[f64] {
         &self.record
     }
 
     /// `α_d − α_a` at the slow samples, rad.
-    #[must_use]
     pub fn errors(&self) -> &[f64] {
         &self.errors
     }
 
     /// Whether the angle left the tables.
-    #[must_use]
     pub fn left_table(&self) -> bool {
         self.left_table
     }
@@ -193,7 +190,6 @@ pub struct AlphaRow {
 
 impl AlphaSetting {
     /// The plane of the laboratory: Z = 0.6, D = 0.4, M = ω².
-    #[must_use]
     pub fn standard(
         omega_rad_s: f64,
         scheme: Scheme,
@@ -237,7 +233,6 @@ impl AlphaSetting {
     }
 
     /// T_s, s.
-    #[must_use]
     pub fn slow_s(&self) -> f64 {
         self.loop_.frame_s * f64::from(self.slow_frames())
     }

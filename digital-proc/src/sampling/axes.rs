@@ -11,7 +11,7 @@
 //! q w are the *artificial accelerations* of body axes: the whole turn of the vehicle is
 //! integrated as if it were a force, so that a rate held for a frame turns the velocity by the
 //! attitude's own lag. Each frame is the same motion; with a fine step and the true attitude the
-//! three agree ([`Axes::reference`]).
+//! three agree (`reference`).
 //!
 //! θ is the inertial pitch angle from the horizontal of the launch point, rad. The earth does not
 //! turn; mass, thrust and N are constant: the experiment is about axes, not about a flight.
@@ -80,7 +80,6 @@ struct State([f64; 4]);
 impl AxesSetting {
     /// 3° at 4 rad/s on a vehicle at 1074 m/s, so that the greatest q u is 225 m/s² and the greatest
     /// normal specific force 1.7 m/s².
-    #[must_use]
     pub fn standard(frame_s: f64) -> AxesSetting {
         AxesSetting {
             frame_s,
@@ -101,7 +100,6 @@ impl AxesSetting {
     ///
     /// The oscillation starts with no rate: a held rate that starts at its peak would add a constant
     /// of half a frame's turn to γ, which is an error of the start and not of the axes.
-    #[must_use]
     pub fn attitude(&self, t_s: f64) -> (f64, f64) {
         let (s, c) = libm::sincos(self.omega_rad_s * t_s);
         (
@@ -226,7 +224,6 @@ impl AxesSetting {
     }
 
     /// The digital side.
-    #[must_use]
     pub fn law(&self) -> AxesLaw {
         AxesLaw {
             setting: *self,
@@ -237,7 +234,6 @@ impl AxesSetting {
     }
 
     /// γ at the frames from a fully digital run with the true attitude, `substeps` RK4 steps a frame.
-    #[must_use]
     pub fn reference(&self, axes: Axes, frames: usize, substeps: u32) -> Vec<f64> {
         let ideal = AxesSetting { offset_of_full_scale: 0.0, ..*self };
         let h = self.frame_s / f64::from(substeps.max(1));
@@ -320,7 +316,6 @@ impl AxesLaw {
     }
 
     /// γ at each frame in body, flight-path and H axes, rad.
-    #[must_use]
     pub fn gammas(&self) -> &[[f64; 3]] {
         &self.gammas
     }

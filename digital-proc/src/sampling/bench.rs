@@ -96,7 +96,6 @@ pub fn chosen<T>(value: T) -> Option<Sourced<T>> {
 }
 
 /// The wire's name of a hold.
-#[must_use]
 pub fn hold_kind(hold: Hold) -> HoldKind {
     match hold {
         Hold::ZeroOrder => HoldKind::ZeroOrder,
@@ -120,7 +119,6 @@ impl<'c, 'p> Bench<'c, 'p> {
 
     /// Converters and coefficients that saturated in any run so far; a study tells its own with
     /// each case.
-    #[must_use]
     pub fn saturated(&self) -> &[String] {
         &self.saturated
     }
@@ -131,13 +129,11 @@ impl<'c, 'p> Bench<'c, 'p> {
     }
 
     /// The profile under every plan.
-    #[must_use]
     pub fn base(&self) -> &Profile {
         &self.base
     }
 
     /// The profile for a plan.
-    #[must_use]
     pub fn profile(&self, hold: Hold) -> Profile {
         let mut profile = self.base.clone();
         profile.dac.hold = chosen(hold_kind(hold));

@@ -25,7 +25,6 @@ pub struct FeedbackLaw {
 
 impl FeedbackLaw {
     /// A law of gain k and a lead of `lead_frames`.
-    #[must_use]
     pub fn new(gain: f64, lead_frames: f64) -> FeedbackLaw {
         FeedbackLaw { gain, lead_frames, previous: None, record: Vec::new() }
     }
@@ -39,7 +38,6 @@ impl FeedbackLaw {
     }
 
     /// Samples of ADC 0, one a frame.
-    #[must_use]
     pub fn record(&self) -> &[f64] {
         &self.record
     }
@@ -81,7 +79,6 @@ pub struct CircleRow {
 
 impl CircleSetting {
     /// ω, rad/s.
-    #[must_use]
     pub fn omega_rad_s(&self) -> f64 {
         std::f64::consts::TAU / (f64::from(self.samples_per_cycle) * self.frame_s)
     }
@@ -125,7 +122,6 @@ impl CircleSetting {
     }
 
     /// The digital law: what is sampled is sent.
-    #[must_use]
     pub fn law(&self) -> FeedbackLaw {
         FeedbackLaw::new(1.0, 0.0)
     }
@@ -234,7 +230,6 @@ impl RootSetting {
     }
 
     /// The loop that theory solves.
-    #[must_use]
     pub fn theory(&self) -> FeedbackLoop {
         FeedbackLoop::second_order(
             self.omega0_rad_s,
@@ -273,7 +268,6 @@ impl RootSetting {
     }
 
     /// The digital law, gain ω₀².
-    #[must_use]
     pub fn law(&self) -> FeedbackLaw {
         FeedbackLaw::new(self.omega0_rad_s.powi(2), self.lead())
     }

@@ -63,7 +63,6 @@ impl Partition {
         [Partition::RedundantAlpha, Partition::ConventionalAlpha, Partition::DigitalControl];
 
     /// Name in tables and legends.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Partition::RedundantAlpha => "redundant α",
@@ -73,7 +72,6 @@ impl Partition {
     }
 
     /// The stage patch with this machine's blocks in place of the shipped ones.
-    #[must_use]
     pub fn patch(self) -> PatchBundle {
         let mut bundle = stage_patch();
         let Some((_, text)) = bundle.files.first_mut() else {

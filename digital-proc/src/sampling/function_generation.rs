@@ -128,7 +128,6 @@ impl FunctionLaw {
 
 impl FunctionSetting {
     /// ω near 8 rad/s, T = 0.02 s, one frame late.
-    #[must_use]
     pub fn standard() -> FunctionSetting {
         FunctionSetting {
             frames_per_cycle: 39,
@@ -142,19 +141,16 @@ impl FunctionSetting {
     }
 
     /// M at `t_s`.
-    #[must_use]
     pub fn mach(&self, t_s: f64) -> f64 {
         self.mach_start + self.mach_rate_per_s * t_s
     }
 
     /// ω, rad/s.
-    #[must_use]
     pub fn omega_rad_s(&self) -> f64 {
         std::f64::consts::TAU / (f64::from(self.frames_per_cycle) * self.frame_s)
     }
 
     /// The correlators open here, one period in, s.
-    #[must_use]
     pub fn start_s(&self) -> f64 {
         f64::from(self.frames_per_cycle) * self.frame_s
     }

@@ -97,13 +97,11 @@ pub fn fit_sine(
 }
 
 /// Phase of `sin` and `cos` correlations `∫y sin ωt dt`, `∫y cos ωt dt` over whole periods, rad.
-#[must_use]
 pub fn correlated_phase_rad(sine: f64, cosine: f64) -> f64 {
     libm::atan2(cosine, sine)
 }
 
 /// Difference of two angles brought to (−π, π].
-#[must_use]
 pub fn angle_difference_rad(a: f64, b: f64) -> f64 {
     let d = (a - b).rem_euclid(std::f64::consts::TAU);
     if d > std::f64::consts::PI { d - std::f64::consts::TAU } else { d }
@@ -170,7 +168,6 @@ pub fn factors(samples: &[f64], floor: f64) -> Result<Vec<C64>, IdentifyError> {
 
 /// Of `candidates`, the equivalent root whose mode has the most energy in the record, by a
 /// least-squares fit of `Σ c_k z_k^n` with all of `roots`.
-#[must_use]
 pub fn strongest(
     samples: &[f64],
     period_s: f64,

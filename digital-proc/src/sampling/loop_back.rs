@@ -37,7 +37,6 @@ pub struct Route {
 
 impl Route {
     /// One ADC and one DAC of full scale 1.
-    #[must_use]
     pub fn simple() -> Route {
         Route { scan: vec![0], position: 0, dac: 0, full_scale: 1.0 }
     }
@@ -97,7 +96,6 @@ pub struct Stages {
 
 impl Stages {
     /// A zero-order hold and nothing else.
-    #[must_use]
     pub fn bare(frame: Tick) -> Stages {
         Stages {
             frame,
@@ -113,7 +111,6 @@ impl Stages {
     }
 
     /// The same stages as theory takes them.
-    #[must_use]
     pub fn chain(&self, route: &Route) -> Chain {
         let resolution = |bits: Option<u32>| {
             bits.map(|bits| super::theory::budget::Resolution {
@@ -183,7 +180,6 @@ pub struct Response {
 }
 
 /// The generated patch.
-#[must_use]
 pub fn patch(route: &Route, window: Window, frame: Tick) -> PatchBundle {
     let Route { scan, dac, full_scale, .. } = route;
     // Half of full scale: no code saturates, whatever the lead adds.

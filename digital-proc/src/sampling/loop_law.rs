@@ -109,7 +109,6 @@ pub struct LoopLaw {
 
 impl LoopLaw {
     /// Laws as (ADC channels, DAC channels, element); `measure` is the ADC channel to record.
-    #[must_use]
     pub fn new(measure: usize, parts: Vec<(Vec<usize>, Vec<usize>, Element)>) -> LoopLaw {
         LoopLaw { measure, parts, record: Vec::new() }
     }
@@ -129,7 +128,6 @@ impl LoopLaw {
     }
 
     /// The recorded ADC, one value a frame.
-    #[must_use]
     pub fn record(&self) -> &[f64] {
         &self.record
     }

@@ -29,7 +29,6 @@ pub struct ModalFit {
 impl ModalFit {
     /// Fits `z` to all of `samples`; none where they do not determine the weights, or where the
     /// record is constant.
-    #[must_use]
     pub fn new(samples: &[f64], z: &[C64]) -> Option<ModalFit> {
         let slow: Vec<usize> = (0..z.len()).filter(|k| z[*k].modulus() >= OVER_AT_ONCE).collect();
         let first = z.len() - slow.len();

@@ -12,7 +12,7 @@ pub struct Table1 {
     y: Vec<f64>,
 }
 
-/// Cell and weight in which `at` lies: value = (1 − w) y[i] + w y[i+1].
+/// Cell and weight in which `at` lies: value = (1 − w) yᵢ + w yᵢ₊₁.
 fn locate(x: &[f64], at: f64) -> (usize, f64) {
     let i = x.partition_point(|b| *b <= at).clamp(1, x.len() - 1) - 1;
     (i, ((at - x[i]) / (x[i + 1] - x[i])).clamp(0.0, 1.0))
@@ -59,14 +59,12 @@ impl Table1 {
     }
 
     /// Value at `x`.
-    #[must_use]
     pub fn value(&self, x: f64) -> f64 {
         let (i, w) = locate(&self.x, x);
         self.y[i] + w * (self.y[i + 1] - self.y[i])
     }
 
     /// Last breakpoint.
-    #[must_use]
     pub fn end(&self) -> f64 {
         self.x[self.x.len() - 1]
     }
@@ -99,13 +97,11 @@ impl Table2 {
     }
 
     /// Breakpoints of x.
-    #[must_use]
     pub fn breakpoints(&self) -> &[f64] {
         &self.x
     }
 
     /// Ordinate at breakpoint `i` of x, for `y`: the c_i(M) of hybrid function generation.
-    #[must_use]
     pub fn ordinate(&self, i: usize, y: f64) -> f64 {
         let (j, w) = locate(&self.y, y);
         let row = &self.z[i * self.y.len()..(i + 1) * self.y.len()];
@@ -113,7 +109,6 @@ impl Table2 {
     }
 
     /// Value at (x, y).
-    #[must_use]
     pub fn value(&self, x: f64, y: f64) -> f64 {
         let (i, w) = locate(&self.x, x);
         let (a, b) = (self.ordinate(i, y), self.ordinate(i + 1, y));

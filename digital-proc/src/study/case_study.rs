@@ -40,7 +40,6 @@ pub struct CasePlan {
 
 impl CasePlan {
     /// Number of runs and flights.
-    #[must_use]
     pub fn runs(&self) -> usize {
         self.short.pitch.len()
             + self.short.yaw_roll.len()
@@ -108,7 +107,6 @@ pub fn run(
 
 impl CaseResults {
     /// Every claim, in the paper's order.
-    #[must_use]
     pub fn claims(&self) -> Vec<Claim> {
         let mut claims = self.short.claims();
         claims.extend(long_period::claims::judge(&self.long));
@@ -126,14 +124,12 @@ impl CaseResults {
     }
 
     /// Whether every claim holds, and every linear run agrees with its eigenvalues.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.claims().iter().all(Claim::holds) && self.short.disagreements().next().is_none()
     }
 
     /// Everything that was measured, for machines: a function of the plan alone, without
     /// any time of day. Time histories are in the traces.
-    #[must_use]
     pub fn summary(&self) -> Value {
         let plan = &self.short.plan;
         let pitch: Vec<Value> = plan
@@ -194,7 +190,6 @@ impl CaseResults {
 
     /// The point at which all of some conditions ring most (the least of them counts),
     /// among those that also have a normal run.
-    #[must_use]
     pub fn most_telling_point(&self, conditions: &[&str]) -> Option<usize> {
         let least = |point: usize| {
             conditions

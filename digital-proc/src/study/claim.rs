@@ -33,7 +33,6 @@ pub struct Claim {
 
 impl Claim {
     /// Whether it holds.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.verdict == Verdict::Holds
     }

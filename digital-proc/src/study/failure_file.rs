@@ -35,7 +35,6 @@ static SHIPPED: LazyLock<FailureFile> = LazyLock::new(|| {
 
 impl FailureFile {
     /// The shipped file.
-    #[must_use]
     pub fn shipped() -> &'static FailureFile {
         &SHIPPED
     }
@@ -100,7 +99,6 @@ impl FailureFile {
 
 impl FlightMode {
     /// Its script in the shipped failure file.
-    #[must_use]
     pub fn script(self) -> &'static FlightScript {
         FailureFile::shipped()
             .mode(self.name())

@@ -2,7 +2,7 @@
 //!
 //! Three steps, as the paper goes through them (§4.2). For each interval of the
 //! sequencer the gains are improved by a coordinate search ([`search`]) whose cost
-//! ([`criteria`]) is measured on the patched pitch loop ([`bench`]) at both ends of
+//! ([`criteria`]) is measured on the patched pitch loop ([`mod@bench`]) at both ends of
 //! the interval ([`design`]). Then intervals are merged, as long as long-period
 //! flights keep within the load and trajectory limits ([`merge`]). At last the
 //! merged schedule goes back to the short-period model ([`evaluate`]), which the

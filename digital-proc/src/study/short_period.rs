@@ -5,8 +5,8 @@
 //! `pitch-loop.toml` and `yaw-roll-loop.toml` ([`coefficients`]), and the answers
 //! ([`response`]) are measured ([`metrics`]) and judged against the paper's
 //! sentences ([`claims`]). Beside them stand the eigenvalues of the linearised
-//! loops ([`linear`]) and a second formulation in plain Rust ([`reference`]).
-//! Only [`machine`] and its [`bench`] know of the hybrid machine that runs the patches;
+//! loops ([`linear`]) and a second formulation in plain Rust ([`mod@reference`]).
+//! Only [`machine`] and its [`mod@bench`] know of the hybrid machine that runs the patches;
 //! nothing does file I/O but the readers of a study.
 
 pub mod agreement;

@@ -31,13 +31,11 @@ pub type MemoryAnalog = AnalogEnd<AnalogQueues>;
 pub type MemoryDigital = DigitalEnd<DigitalQueues>;
 
 /// Two ends with the default patience.
-#[must_use]
 pub fn pair() -> (MemoryAnalog, MemoryDigital) {
     pair_with(&Patience::default())
 }
 
 /// Two ends that share an interrupt flag and limits.
-#[must_use]
 pub fn pair_with(patience: &Patience) -> (MemoryAnalog, MemoryDigital) {
     let (samples_in, samples_out) = sync_channel(FRAMES);
     let (updates_in, updates_out) = sync_channel(FRAMES);

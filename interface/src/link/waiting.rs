@@ -80,7 +80,6 @@ impl Default for Patience {
 
 impl Patience {
     /// Default limits with the caller's interrupt flag.
-    #[must_use]
     pub fn interrupted_by(flag: Arc<AtomicBool>) -> Patience {
         Patience { interrupted: flag, ..Patience::default() }
     }

@@ -108,7 +108,6 @@ impl BlockClass {
     ];
 
     /// Its key in a profile's `[counts]`, also its name in tables.
-    #[must_use]
     pub fn key(self) -> &'static str {
         match self {
             BlockClass::Integrator => "integrators",
@@ -214,7 +213,6 @@ impl Profile {
     pub const BUILT_IN: [&'static str; 3] = ["ideal", "paper-class", "ad4"];
 
     /// Every stage off and no limits.
-    #[must_use]
     pub fn ideal() -> Profile {
         Profile {
             name: "ideal".to_owned(),
@@ -247,13 +245,11 @@ impl Profile {
     }
 
     /// Blocks of a class that the machine has; `None` is without limit.
-    #[must_use]
     pub fn available(&self, class: BlockClass) -> Option<u32> {
         self.counts.get(&class).map(|count| count.value)
     }
 
     /// Classes of which more is needed than there is. Multiplying DACs take DACs.
-    #[must_use]
     pub fn shortfalls(&self, needed: &BTreeMap<BlockClass, u32>) -> Vec<Shortfall> {
         let need = |class: &BlockClass| needed.get(class).copied().unwrap_or(0);
         BlockClass::ALL
@@ -272,13 +268,11 @@ impl Profile {
     }
 
     /// Overload level in machine units.
-    #[must_use]
     pub fn overload_level(&self) -> f64 {
         self.overload_level.as_ref().map_or(DEFAULT_OVERLOAD_LEVEL, |level| level.value)
     }
 
     /// Component error as a fraction; zero when off.
-    #[must_use]
     pub fn component_error(&self) -> f64 {
         self.component_error.as_ref().map_or(0.0, |error| error.value)
     }
@@ -313,13 +307,11 @@ impl Profile {
     }
 
     /// Multiplexer skew δ; zero is a simultaneous sample.
-    #[must_use]
     pub fn skew(&self) -> Tick {
         duration(self.adc.skew.as_ref())
     }
 
     /// Aperture of the track/hold.
-    #[must_use]
     pub fn aperture(&self) -> Tick {
         duration(self.adc.aperture.as_ref())
     }
@@ -327,7 +319,6 @@ impl Profile {
     /// Total latency τ from sample to transfer with `channels` ADC channels: the scan
     /// (one skew between neighbours), the conversion of the last channel, the
     /// linkage, and the computation.
-    #[must_use]
     pub fn total_latency(&self, channels: u32) -> Tick {
         self.skew() * i64::from(channels.saturating_sub(1))
             + duration(self.adc.conversion.as_ref())
@@ -336,20 +327,17 @@ impl Profile {
     }
 
     /// The total latency, at most one frame of `frame`; and the whole of it where it was cut.
-    #[must_use]
     pub fn latency_within(&self, channels: u32, frame: Tick) -> (Tick, Option<Tick>) {
         let whole = self.total_latency(channels);
         (whole.min(frame), (whole > frame).then_some(whole))
     }
 
     /// Reconstruction between transfers.
-    #[must_use]
     pub fn hold(&self) -> HoldKind {
         self.dac.hold.as_ref().map_or(HoldKind::ZeroOrder, |h| h.value)
     }
 
     /// Settling of the DACs.
-    #[must_use]
     pub fn settling(&self) -> Settling {
         Settling::new(duration(self.dac.settling.as_ref()).secs())
     }

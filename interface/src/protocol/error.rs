@@ -64,7 +64,6 @@ pub enum ProtocolError {
 
 impl ProtocolError {
     /// As a link fault at the given frame.
-    #[must_use]
     pub fn at(self, frame: u64) -> LinkFault {
         LinkFault::Protocol { frame, detail: self.to_string() }
     }

@@ -13,7 +13,6 @@ pub const VERSION: u32 = 2;
 /// Hash of everything on which the meaning of a frame's bytes depends: sizes,
 /// alignments, offsets and channel counts. Equal layouts have equal hashes on
 /// every build; the handshake refuses unequal ones.
-#[must_use]
 pub fn layout_hash() -> u64 {
     let numbers = [
         size_of::<Samples>(),
@@ -68,13 +67,11 @@ pub fn layout_hash() -> u64 {
 }
 
 /// The greeting of this build.
-#[must_use]
 pub fn hello() -> Request {
     Request::Hello { version: VERSION, layout_hash: layout_hash() }
 }
 
 /// This build's answer to [`hello`].
-#[must_use]
 pub fn hello_reply() -> Reply {
     Reply::Hello { version: VERSION, layout_hash: layout_hash() }
 }

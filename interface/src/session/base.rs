@@ -46,7 +46,6 @@ pub(super) const ROOM_KIB: u64 = 2048;
 /// `/dev/shm/hybrid-computer-UID` if that is a tmpfs, else `/tmp/hybrid-computer-UID`.
 ///
 /// The transport waits for the disk a dozen times a session, which a tmpfs does not have.
-#[must_use]
 pub fn base_directory() -> PathBuf {
     if let Some(base) = std::env::var_os(BASE_VARIABLE).filter(|v| !v.is_empty()) {
         return PathBuf::from(base);

@@ -274,37 +274,31 @@ impl Session {
     }
 
     /// Name of the session, which the partner joins.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.0.name
     }
 
     /// The side that this process plays.
-    #[must_use]
     pub fn side(&self) -> Side {
         self.0.side
     }
 
     /// Whether this process joined a session that the other side had made.
-    #[must_use]
     pub fn joined(&self) -> bool {
         self.0.joined
     }
 
     /// Directory of the session.
-    #[must_use]
     pub fn root(&self) -> &Path {
         &self.0.root
     }
 
     /// Prefix of the session's shared-memory files.
-    #[must_use]
     pub fn prefix(&self) -> &str {
         &self.0.prefix
     }
 
     /// The base directory in which the session lives.
-    #[must_use]
     pub fn base(&self) -> &Path {
         &self.0.base
     }

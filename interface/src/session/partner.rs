@@ -39,32 +39,27 @@ impl Partner {
     }
 
     /// Which processor it is.
-    #[must_use]
     pub fn side(&self) -> Side {
         self.side
     }
 
     /// Its process id.
-    #[must_use]
     pub fn pid(&self) -> u32 {
         self.pid
     }
 
     /// Whether the process has ended.
-    #[must_use]
     pub fn ended(&self) -> bool {
         let mut polled = [PollFd::new(&self.pidfd, PollFlags::IN)];
         poll(&mut polled, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)
     }
 
     /// Whether the process has given up its place in the session (it may live on).
-    #[must_use]
     pub fn left(&self) -> bool {
         self.lock.as_deref().is_some_and(|lock| !is_held(lock))
     }
 
     /// What is known of its end, for a fault message.
-    #[must_use]
     pub fn epitaph(&self) -> String {
         let pid = self.pid;
         // Leaves the child to be reaped by its owner; fails when it is not our child.
@@ -88,13 +83,11 @@ impl Partner {
     }
 
     /// Whether a signal has stopped the process; a debugger does not count.
-    #[must_use]
     pub fn stopped(&self) -> bool {
         self.stat().is_some_and(|fields| fields.starts_with('T'))
     }
 
     /// CPU time that the process has used so far; `None` when it is gone.
-    #[must_use]
     pub fn cpu_time(&self) -> Option<Duration> {
         // Fields 14 and 15: user and system time.
         let fields = self.stat()?;

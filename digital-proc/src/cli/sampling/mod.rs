@@ -34,6 +34,7 @@ pub struct Sampling {
 }
 
 #[derive(Subcommand)]
+#[allow(rustdoc::invalid_rust_codeblocks, reason = "the help shows a TOML file")]
 enum Experiment {
     /// Gain and phase that each stage of a channel adds at one frequency
     ///

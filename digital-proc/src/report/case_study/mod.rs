@@ -30,7 +30,6 @@ const EVIDENCE: [(&str, &str); 14] = [
 ];
 
 /// A study's claims as a report shows them; `shown` says whether an anchor exists.
-#[must_use]
 pub fn report_claims(claims: &[claim::Claim], shown: impl Fn(&str) -> bool) -> Vec<Claim> {
     claims
         .iter()
@@ -45,7 +44,6 @@ pub fn report_claims(claims: &[claim::Claim], shown: impl Fn(&str) -> bool) -> V
 }
 
 /// The report as a page.
-#[must_use]
 pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRecord) -> String {
     let mut numbering = Numbering::new();
     let partition = numbering.figure(

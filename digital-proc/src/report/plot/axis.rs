@@ -31,20 +31,17 @@ pub struct Axis {
 
 impl Axis {
     /// A linear axis that fits its data.
-    #[must_use]
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Axis {
         Axis { label: label.into(), unit: unit.into(), scale: Scale::Linear, range: None }
     }
 
     /// The same, logarithmic.
-    #[must_use]
     pub fn log(mut self) -> Axis {
         self.scale = Scale::Log;
         self
     }
 
     /// The same, from `low` to `high` whatever the data.
-    #[must_use]
     pub fn range(mut self, low: f64, high: f64) -> Axis {
         self.range = Some((low, high));
         self

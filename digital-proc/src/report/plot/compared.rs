@@ -15,7 +15,6 @@ pub struct Compared {
 
 impl Compared {
     /// Without points.
-    #[must_use]
     pub fn new(name: impl Into<String>) -> Compared {
         Compared { name: name.into(), ..Compared::default() }
     }
@@ -34,7 +33,6 @@ impl Compared {
 }
 
 /// Theory as lines and measurement as markers, each two in one style.
-#[must_use]
 pub fn measured_vs_theory(title: &str, x: Axis, y: Axis, compared: &[Compared]) -> LineChart {
     let series = compared
         .iter()

@@ -21,7 +21,6 @@ pub struct HeatCell {
 
 impl HeatCell {
     /// A cell without a link that violates nothing.
-    #[must_use]
     pub fn new(value: f64) -> HeatCell {
         HeatCell { value, violated: false, href: None }
     }
@@ -47,7 +46,6 @@ pub struct HeatMap {
 }
 
 /// The matrix as a table with its colour scale.
-#[must_use]
 pub fn heat_map(map: &HeatMap) -> Markup {
     let finite = map.cells.iter().flatten().map(|c| c.value).filter(|v| v.is_finite());
     let (low, high) = map.scale.unwrap_or_else(|| {

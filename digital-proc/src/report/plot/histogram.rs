@@ -24,7 +24,6 @@ pub struct Histogram {
 }
 
 /// The histogram as SVG.
-#[must_use]
 pub fn histogram(spec: &Histogram) -> Markup {
     let mapped: Vec<f64> = spec.values.iter().filter_map(|&v| spec.x.map(v)).collect();
     let x = spec.x.fit(mapped.iter().copied(), 8, 0.0);

@@ -38,32 +38,27 @@ pub struct Series {
 
 impl Series {
     /// A curve drawn as a line.
-    #[must_use]
     pub fn line(name: impl Into<String>, x: &[f64], y: &[f64]) -> Series {
         Series { name: name.into(), x: x.to_vec(), y: y.to_vec(), draw: Draw::Line, style: None }
     }
 
     /// Points drawn as markers.
-    #[must_use]
     pub fn markers(name: impl Into<String>, x: &[f64], y: &[f64]) -> Series {
         Series::line(name, x, y).draw(Draw::Markers)
     }
 
     /// A sampled and held curve.
-    #[must_use]
     pub fn step(name: impl Into<String>, x: &[f64], y: &[f64]) -> Series {
         Series::line(name, x, y).draw(Draw::Step)
     }
 
     /// The same, drawn otherwise.
-    #[must_use]
     pub fn draw(mut self, draw: Draw) -> Series {
         self.draw = draw;
         self
     }
 
     /// The same in a given style, to pair curves that belong together.
-    #[must_use]
     pub fn style(mut self, style: usize) -> Series {
         self.style = Some(style);
         self
@@ -125,7 +120,6 @@ pub struct LineChart {
 
 impl LineChart {
     /// A chart without limits and marks, at full size.
-    #[must_use]
     pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> LineChart {
         LineChart {
             title: title.into(),
@@ -139,21 +133,18 @@ impl LineChart {
     }
 
     /// The same with a limit line.
-    #[must_use]
     pub fn limit(mut self, value: f64, name: impl Into<String>) -> LineChart {
         self.limits.push(Limit { value, name: name.into() });
         self
     }
 
     /// The same with an event mark.
-    #[must_use]
     pub fn mark(mut self, x: f64, name: impl Into<String>) -> LineChart {
         self.marks.push(Mark { x, name: name.into() });
         self
     }
 
     /// The same at another size.
-    #[must_use]
     pub fn size(mut self, size: Size) -> LineChart {
         self.size = size;
         self
@@ -163,8 +154,7 @@ impl LineChart {
 /// Height of a row of event labels, in drawing units.
 const MARK_ROW: i32 = 150;
 
-/// The chart as SVG for [`crate::report::page`].
-#[must_use]
+/// The chart as SVG for [`mod@crate::report::page`].
 pub fn line_chart(chart: &LineChart) -> Markup {
     let curves: Vec<Curve> = chart
         .series

@@ -30,7 +30,6 @@ pub struct Tornado {
 }
 
 /// The plot as SVG.
-#[must_use]
 pub fn tornado(spec: &Tornado) -> Markup {
     let mut bars: Vec<&TornadoBar> = spec.bars.iter().collect();
     let span = |bar: &TornadoBar| {

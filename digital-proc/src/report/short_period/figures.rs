@@ -39,7 +39,6 @@ const YAW_ROLL: [Panel; 12] = [
 ];
 
 /// Figures of the pitch loop's Table 1 variables, side by side.
-#[must_use]
 pub fn pitch_figures(
     numbering: &mut Numbering,
     id: &str,
@@ -50,7 +49,6 @@ pub fn pitch_figures(
 }
 
 /// Attitude and bending coordinate only.
-#[must_use]
 pub fn pitch_pair(
     numbering: &mut Numbering,
     id: &str,
@@ -62,7 +60,6 @@ pub fn pitch_pair(
 
 /// Figures of the yaw and roll loops' Table 1 variables; `tip_travel_rad` is drawn as
 /// the tips' limit.
-#[must_use]
 pub fn yaw_roll_figures(
     numbering: &mut Numbering,
     id: &str,

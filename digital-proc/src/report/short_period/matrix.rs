@@ -20,7 +20,6 @@ pub struct Measure<'a> {
 }
 
 /// The matrix; conditions without any value are left out.
-#[must_use]
 pub fn matrix(outcome: &Outcome, measure: &Measure<'_>) -> Markup {
     let plan = &outcome.plan;
     let mut rows = Vec::new();

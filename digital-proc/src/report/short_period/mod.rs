@@ -19,7 +19,6 @@ use crate::study::short_period::outcome::Outcome;
 const MOST_DRAWN: usize = 48;
 
 /// The report as a page.
-#[must_use]
 pub fn short_period_report(title: &str, outcome: &Outcome, record: &RunRecord) -> String {
     let mut numbering = Numbering::new();
     let mut sections = Vec::new();
@@ -53,7 +52,6 @@ pub fn short_period_report(title: &str, outcome: &Outcome, record: &RunRecord) -
 }
 
 /// What the machine remarked, if anything.
-#[must_use]
 pub fn remarks(outcome: &Outcome) -> Markup {
     let remarks = outcome.remarks();
     html! {
@@ -65,7 +63,6 @@ pub fn remarks(outcome: &Outcome) -> Markup {
 }
 
 /// The table of linear agreement with its explanation.
-#[must_use]
 pub fn agreement_section(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
     if outcome.agreement.is_empty() {
         return html! { p { "No undisturbed pitch run stays in a linear range: nothing to compare." } };

@@ -7,7 +7,6 @@ use crate::study::short_period::outcome::Outcome;
 use crate::study::short_period::plan::YawRollCase;
 
 /// Table of the pitch measures, for terminal, page and machines.
-#[must_use]
 pub fn pitch_table(outcome: &Outcome) -> Table {
     let mut table = Table::new(vec![
         Heading::new("Point", ""),
@@ -48,7 +47,6 @@ pub fn pitch_table(outcome: &Outcome) -> Table {
 }
 
 /// Table of the yaw–roll measures.
-#[must_use]
 pub fn yaw_roll_table(outcome: &Outcome) -> Table {
     let mut table = Table::new(vec![
         Heading::new("Point", ""),
@@ -86,7 +84,6 @@ pub fn yaw_roll_table(outcome: &Outcome) -> Table {
 }
 
 /// Table of the runs held against linear theory.
-#[must_use]
 pub fn agreement_table(outcome: &Outcome) -> Table {
     let mut table = Table::new(vec![
         Heading::new("Run", ""),
@@ -131,13 +128,11 @@ fn range(gains: ChannelGains) -> &'static str {
 }
 
 /// How a run shares the tips.
-#[must_use]
 pub fn allocation(case: &YawRollCase) -> &'static str {
     if case.settings.dedicated { "roll only" } else { "shared" }
 }
 
 /// The same table with a dash for each number that does not exist, for a terminal.
-#[must_use]
 pub fn dashed(mut table: Table) -> Table {
     for cell in table.rows.iter_mut().flatten() {
         if matches!(cell, Cell::Number(v) if v.is_nan()) {

@@ -82,7 +82,6 @@ impl QuantisationLaw {
 
 impl QuantisationSetting {
     /// 12 bits, 10⁵ frames of 10 ms, a corner at 0.5/T.
-    #[must_use]
     pub fn standard(seed: u64) -> QuantisationSetting {
         QuantisationSetting {
             bits: 12,
@@ -137,7 +136,6 @@ impl QuantisationSetting {
     }
 
     /// Variances of the error itself, of its integral over the span, and of its lag.
-    #[must_use]
     pub fn rows(&self, law: &QuantisationLaw) -> Vec<VarianceRow> {
         let span = self.span_frames.max(1) as usize;
         let growth: Vec<f64> = law.integral.windows(span + 1).map(|w| w[span] - w[0]).collect();

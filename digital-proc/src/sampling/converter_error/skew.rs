@@ -65,7 +65,6 @@ impl SkewLaw {
 
 impl SkewSetting {
     /// One revolution of `frames` frames with a skew.
-    #[must_use]
     pub fn revolution(frames: u32, frame_s: f64, skew_s: f64) -> SkewSetting {
         SkewSetting {
             omega_rad_s: std::f64::consts::TAU / (f64::from(frames) * frame_s),
@@ -92,13 +91,11 @@ impl SkewSetting {
     }
 
     /// The digital side.
-    #[must_use]
     pub fn law(&self) -> SkewLaw {
         SkewLaw { setting: *self, errors: Vec::new(), theory: Vec::new() }
     }
 
     /// Measured beside theory.
-    #[must_use]
     pub fn row(&self, law: &SkewLaw) -> SkewRow {
         let n = law.errors.len().max(1) as f64;
         SkewRow {

@@ -70,19 +70,16 @@ impl CoefficientSetting {
     }
 
     /// The settled part starts here: after the first transfer of a whole frame, s.
-    #[must_use]
     pub fn start_s(&self) -> f64 {
         2.0 * self.frame_s
     }
 
     /// The digital side.
-    #[must_use]
     pub fn law(&self) -> CoefficientLaw {
         CoefficientLaw { setting: *self }
     }
 
     /// From the final values of `error_sum` (∫e dt) and `square_sum` (∫e² dt).
-    #[must_use]
     pub fn row(&self, error_sum: f64, square_sum: f64) -> CoefficientRow {
         let duration = self.stop_s - self.start_s();
         CoefficientRow {

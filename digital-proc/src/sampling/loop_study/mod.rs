@@ -99,13 +99,11 @@ fn named(s: &Spanned<String>) -> Named {
 
 impl LoopStudy {
     /// Patch, relative to the study file.
-    #[must_use]
     pub fn patch(&self) -> &str {
         &self.patch.name
     }
 
     /// The whole text.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -115,7 +113,6 @@ impl LoopStudy {
     }
 
     /// A fault of the patch, at the place where the study names it.
-    #[must_use]
     pub fn patch_fault(&self, fault: String) -> FileFault {
         let remedy = "the path is relative to the study's own folder";
         self.source().fault(self.patch.span.clone(), fault, remedy)
@@ -123,7 +120,6 @@ impl LoopStudy {
 
     /// What ended a run of `case` that is not the fault of the machine: a patch that refuses the
     /// study's parameters or converters, a record that says nothing.
-    #[must_use]
     pub fn case_fault(&self, case: &LoopCase, cause: &dyn std::fmt::Display) -> FileFault {
         let fault = format!("frame {}, latency {}: {cause}", case.frame, case.latency);
         let remedy = "look at this study's patch, params, stop and sweep";

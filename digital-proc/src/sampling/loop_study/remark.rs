@@ -48,7 +48,6 @@ impl Remark {
     }
 
     /// What it means and what to do, the same for every case; none where the remark says all.
-    #[must_use]
     pub fn explanation(&self) -> Option<String> {
         match self {
             Remark::Saturated { .. } => Some(

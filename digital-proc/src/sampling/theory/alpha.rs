@@ -58,7 +58,6 @@ pub struct Rotation {
 
 impl Rotation {
     /// Upper root of the continuous loop.
-    #[must_use]
     pub fn continuous_root(&self) -> C64 {
         let half = (self.force_slope + self.rate_damping) / 2.0;
         let stiffness = self.moment_slope + self.force_slope * self.rate_damping;
@@ -72,7 +71,6 @@ impl Rotation {
 
     /// First-order shift for an angle that reaches the tables τ_e late:
     /// `Δs = τ_e s₀ (M + Z (s₀ + D)) / (2 s₀ + Z + D)`.
-    #[must_use]
     pub fn first_order_shift(&self, effective_delay_s: f64) -> C64 {
         let s0 = self.continuous_root();
         let (m, z, d) = (self.moment_slope, self.force_slope, self.rate_damping);
@@ -250,7 +248,6 @@ impl AlphaLoop {
 
 /// Greatest |z| of the correction alone: `ε_{k+1} = (1 − K) ε_k` prompt,
 /// `ε_{k+1} = ε_k − K ε_{k−1}` one frame late (|z| = √K beyond K = ¼, stable for K < 1).
-#[must_use]
 pub fn correction_radius(gain: f64, late: bool) -> f64 {
     if !late {
         return (1.0 - gain).abs();
@@ -266,14 +263,12 @@ pub fn correction_radius(gain: f64, late: bool) -> f64 {
 }
 
 /// Largest error that a drift b leaves, `b T_s / K`, against `b t` uncorrected.
-#[must_use]
 pub fn drift_error(drift_rad_s: f64, slow_s: f64, gain: f64) -> f64 {
     drift_rad_s * slow_s / gain
 }
 
 /// `ε/α = K (e^{−jx} − 1) / (e^{jx} − 1 + K)`, x = ωT_s: error of the corrected angle when α_d is
 /// one frame late and not time-matched. Without the redundant integrator it is `e^{−jx} − 1`.
-#[must_use]
 pub fn unmatched_error(gain: f64, x: f64) -> C64 {
     let one = C64::new(1.0, 0.0);
     (phasor(-x) - one) * gain / (phasor(x) - one + gain)

@@ -60,7 +60,6 @@ pub struct BudgetRow {
 
 impl Chain {
     /// A channel that adds nothing but a zero-order hold.
-    #[must_use]
     pub fn ideal(frame_s: f64) -> Chain {
         Chain {
             frame_s,
@@ -79,13 +78,11 @@ impl Chain {
     ///
     /// Latency runs from `t_n`, so a skewed sample has a channel-dependent *lead*
     /// against it: the sample is taken later and is younger at the transfer.
-    #[must_use]
     pub fn transfer(&self, omega_rad_s: f64) -> C64 {
         self.stages(omega_rad_s).iter().map(|(_, h, _, _)| *h).product()
     }
 
     /// The budget, one row a stage and a last row `whole chain`.
-    #[must_use]
     pub fn budget(&self, omega_rad_s: f64) -> Vec<BudgetRow> {
         let mut rows: Vec<BudgetRow> = self
             .stages(omega_rad_s)

@@ -31,7 +31,6 @@ pub struct FeedbackLoop {
 
 impl FeedbackLoop {
     /// Circle test: `ẋ = ω v`, `v̇ = −ω x`, the x that v sees having passed the digital side.
-    #[must_use]
     pub fn circle(omega_rad_s: f64, hold: Hold, frame_s: f64, latency_s: f64) -> FeedbackLoop {
         FeedbackLoop {
             a: DMatrix::from_row_slice(2, 2, &[0.0, omega_rad_s, 0.0, 0.0]),
@@ -46,7 +45,6 @@ impl FeedbackLoop {
     }
 
     /// `ẍ + 2ζω₀ẋ + y = 0`, `y` being ω₀²x through the digital side.
-    #[must_use]
     pub fn second_order(
         omega0_rad_s: f64,
         zeta: f64,
@@ -151,7 +149,6 @@ impl FeedbackLoop {
     }
 
     /// `τ_e = τ + (½ | 0 | 1) T − a T`: the delay that the loop feels to first order.
-    #[must_use]
     pub fn effective_delay_s(&self) -> f64 {
         self.latency_s + (self.hold.delay_frames() - self.lead_frames) * self.frame_s
     }

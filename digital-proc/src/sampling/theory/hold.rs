@@ -24,7 +24,6 @@ impl Hold {
     pub const ALL: [Hold; 3] = [Hold::ZeroOrder, Hold::Extrapolating, Hold::Interpolating];
 
     /// Name as in study files and tables.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Hold::ZeroOrder => "zero-order",
@@ -37,7 +36,6 @@ impl Hold {
     /// zero-order `sinc(x/2) e^{−jx/2}`,
     /// extrapolating `(1 + jx) [sinc(x/2) e^{−jx/2}]²`,
     /// interpolating `[sinc(x/2) e^{−jx/2}]²`.
-    #[must_use]
     pub fn transfer(self, omega_rad_s: f64, frame_s: f64) -> C64 {
         let x = omega_rad_s * frame_s;
         let zero_order = phasor(-x / 2.0) * sinc(x / 2.0);
@@ -49,7 +47,6 @@ impl Hold {
     }
 
     /// First-order effective delay in frames: ½, 0 and 1.
-    #[must_use]
     pub fn delay_frames(self) -> f64 {
         match self {
             Hold::ZeroOrder => 0.5,
@@ -60,14 +57,12 @@ impl Hold {
 }
 
 /// `sin y / y`, 1 at the origin.
-#[must_use]
 pub fn sinc(y: f64) -> f64 {
     // Below 1e-4 the series 1 − y²/6 is exact to y⁴/120 < 1e-18.
     if y.abs() < 1e-4 { 1.0 - y * y / 6.0 } else { libm::sin(y) / y }
 }
 
 /// A pure delay `e^{−jωτ}`.
-#[must_use]
 pub fn delay(omega_rad_s: f64, delay_s: f64) -> C64 {
     phasor(-omega_rad_s * delay_s)
 }
@@ -76,20 +71,17 @@ pub fn delay(omega_rad_s: f64, delay_s: f64) -> C64 {
 ///
 /// Half a frame (a = ½) cancels the lag of a zero-order hold to first order;
 /// with a latency τ the lead for cancellation is `a = ½ + τ/T`.
-#[must_use]
 pub fn lead(omega_rad_s: f64, frame_s: f64, frames: f64) -> C64 {
     C64::new(1.0, 0.0) + (C64::new(1.0, 0.0) - phasor(-omega_rad_s * frame_s)) * frames
 }
 
 /// Track-and-hold that averages over an aperture ending at the sample: `sinc(ωa/2) e^{−jωa/2}`.
-#[must_use]
 pub fn aperture(omega_rad_s: f64, aperture_s: f64) -> C64 {
     let y = omega_rad_s * aperture_s / 2.0;
     phasor(-y) * sinc(y)
 }
 
 /// First-order settling of a DAC, `1/(1 + jωτ)`.
-#[must_use]
 pub fn settling(omega_rad_s: f64, time_constant_s: f64) -> C64 {
     C64::new(1.0, omega_rad_s * time_constant_s).inv()
 }

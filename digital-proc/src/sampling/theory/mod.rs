@@ -25,7 +25,6 @@ use nalgebra::{Complex, ComplexField};
 pub type C64 = Complex<f64>;
 
 /// `e^{jφ}`.
-#[must_use]
 pub fn phasor(angle_rad: f64) -> C64 {
     let (sin, cos) = libm::sincos(angle_rad);
     C64::new(cos, sin)
@@ -66,19 +65,16 @@ pub enum TheoryError {
 }
 
 /// Damping ratio `−Re s / |s|`.
-#[must_use]
 pub fn damping_ratio(s: C64) -> f64 {
     -s.re / s.modulus()
 }
 
 /// Growth of the amplitude over one cycle, `exp(2π Re s / |Im s|)`.
-#[must_use]
 pub fn growth_per_cycle(s: C64) -> f64 {
     libm::exp(std::f64::consts::TAU * s.re / s.im.abs())
 }
 
 /// `s = ln z / T`, principal branch: |Im s| ≤ π/T.
-#[must_use]
 pub fn equivalent_root(z: C64, period_s: f64) -> C64 {
     ComplexField::ln(z) / period_s
 }
@@ -86,7 +82,6 @@ pub fn equivalent_root(z: C64, period_s: f64) -> C64 {
 /// The root nearest to `target`; `None` for an empty slice.
 ///
 /// Roots of a real map come in conjugate pairs, so the target picks the half plane.
-#[must_use]
 pub fn nearest_root(roots: &[C64], target: C64) -> Option<C64> {
     roots.iter().copied().min_by(|a, b| (a - target).modulus().total_cmp(&(b - target).modulus()))
 }

@@ -26,7 +26,6 @@ pub struct PeriodMap {
 
 impl PeriodMap {
     /// The identity on `order` states.
-    #[must_use]
     pub fn new(order: usize) -> PeriodMap {
         PeriodMap { matrix: DMatrix::identity(order, order), elapsed_s: 0.0 }
     }
@@ -51,19 +50,16 @@ impl PeriodMap {
     }
 
     /// The map itself.
-    #[must_use]
     pub fn matrix(&self) -> &DMatrix<f64> {
         &self.matrix
     }
 
     /// Duration covered, s.
-    #[must_use]
     pub fn elapsed_s(&self) -> f64 {
         self.elapsed_s
     }
 
     /// One period applied to a state.
-    #[must_use]
     pub fn apply(&self, state: &DVector<f64>) -> DVector<f64> {
         &self.matrix * state
     }

@@ -77,7 +77,6 @@ impl Criteria {
     };
 
     /// Named measures with their allowances, for a table: label, value, allowance.
-    #[must_use]
     pub fn listed(&self, q: &LoopQuality) -> [(&'static str, Option<f64>, f64); 6] {
         [
             ("overshoot", q.overshoot, self.overshoot),
@@ -93,7 +92,6 @@ impl Criteria {
     /// exceeds an allowance, so that meeting all comes before bettering one. A
     /// measure that a run does not yield (a diverged attitude) counts as ten
     /// allowances.
-    #[must_use]
     pub fn cost(&self, q: &LoopQuality) -> f64 {
         const EXCESS: f64 = 10.0;
         const MISSING: f64 = 10.0;
@@ -109,7 +107,6 @@ impl Criteria {
     }
 
     /// Whether every allowance is kept.
-    #[must_use]
     pub fn met(&self, q: &LoopQuality) -> bool {
         q.bending_damping >= self.bending_damping
             && q.gain_margin_db >= self.gain_margin_db
@@ -121,7 +118,6 @@ impl Criteria {
 }
 
 /// Settings of the undisturbed and the disturbed run at a point.
-#[must_use]
 pub fn test_runs(point: &FrozenPoint) -> [PitchSettings; 2] {
     let full = Disturbance { misalignment: 1.0, gust: 1.0, cant: 0.0 };
     [Disturbance::NONE, full].map(|d| PitchSettings::new(point, &d, STEP_RAD))
@@ -129,7 +125,6 @@ pub fn test_runs(point: &FrozenPoint) -> [PitchSettings; 2] {
 
 /// Least bending damping ratio of the linearised loop: both channels, the tips
 /// alone (inside the dead zone), the thrust vector alone (the tips saturated).
-#[must_use]
 pub fn least_bending_damping(plane: &Plane) -> f64 {
     let mut states = vec![ChannelGains::BOTH, ChannelGains::TVC_ONLY];
     if plane.ftc_gain != 0.0 {
@@ -146,7 +141,6 @@ pub fn least_bending_damping(plane: &Plane) -> f64 {
 /// rise before a root faster than the drift grows, looked for up to 12 dB. Both
 /// channels together, and the tips alone where there are tips; the injection alone
 /// is a failure state there and has no margin to keep.
-#[must_use]
 pub fn gain_margin_db(plane: &Plane) -> f64 {
     const MOST_DB: f64 = 12.0;
     /// Roots below this are the slow drift of the flight path.
@@ -186,7 +180,6 @@ pub fn gain_margin_db(plane: &Plane) -> f64 {
 
 impl LoopQuality {
     /// Measures the two runs of [`test_runs`].
-    #[must_use]
     pub fn new(
         point: &FrozenPoint,
         settings: &PitchSettings,

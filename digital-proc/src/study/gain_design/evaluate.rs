@@ -36,7 +36,6 @@ pub struct PointQuality {
 
 impl PointQuality {
     /// Whether overshoot and residual are accepted here.
-    #[must_use]
     pub fn accepted(&self) -> bool {
         self.quality.overshoot.is_some_and(|v| v <= OVERSHOOT)
             && self.quality.residual.is_some_and(|v| v <= RESIDUAL)
@@ -44,7 +43,6 @@ impl PointQuality {
 }
 
 /// Gains of a schedule at a flight time.
-#[must_use]
 pub fn gains_at(data: &ScheduleData, time_s: f64) -> LoopGains {
     let begun = data.switch_time_s.partition_point(|&t| t <= time_s);
     schedule::gains(data, begun.max(1) - 1)
@@ -76,7 +74,6 @@ pub fn evaluate(
 
 impl PointQuality {
     /// Which criteria it fails and by how much, as `overshoot 31.2 % at max-q (32.5 s)`.
-    #[must_use]
     pub fn failures(&self) -> Vec<String> {
         let of = |name: &str, value: Option<f64>, most: f64| {
             let told = match value {
@@ -93,13 +90,11 @@ impl PointQuality {
 }
 
 /// Whether a schedule is accepted at every point.
-#[must_use]
 pub fn accepted(points: &[PointQuality]) -> bool {
     points.iter().all(PointQuality::accepted)
 }
 
 /// The point of the greatest overshoot; a missing one counts as the greatest.
-#[must_use]
 pub fn worst(points: &[PointQuality]) -> Option<&PointQuality> {
     let of = |p: &PointQuality| p.quality.overshoot.unwrap_or(f64::INFINITY);
     points.iter().max_by(|a, b| of(a).total_cmp(&of(b)))

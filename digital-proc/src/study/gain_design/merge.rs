@@ -59,7 +59,6 @@ pub struct Merging {
 }
 
 /// The schedule with intervals `i` and `i + 1` merged.
-#[must_use]
 pub fn merged(data: &ScheduleData, i: usize, end_s: f64, tip_travel_deg: f64) -> ScheduleData {
     let t = &data.switch_time_s;
     let ends = [t[i], t[i + 1], t.get(i + 2).copied().unwrap_or(end_s)];

@@ -30,7 +30,6 @@ pub fn close(schedule: &mut ScheduleData, tip_travel_deg: f64) {
 }
 
 /// No intervals.
-#[must_use]
 pub fn empty() -> ScheduleData {
     ScheduleData {
         switch_time_s: Vec::new(),
@@ -43,7 +42,6 @@ pub fn empty() -> ScheduleData {
 }
 
 /// Gains of interval `i` in SI units.
-#[must_use]
 pub fn gains(schedule: &ScheduleData, i: usize) -> LoopGains {
     LoopGains {
         ftc_gain: schedule.ftc_gain[i],
@@ -71,7 +69,6 @@ pub fn with_designed(vehicle: &Vehicle, schedule: &ScheduleData) -> Result<Vehic
 }
 
 /// The schedule as a section of the vehicle file, columns aligned.
-#[must_use]
 pub fn as_toml(section: &str, comment: &str, schedule: &ScheduleData) -> String {
     let mut out = format!("[{section}]");
     let _ = writeln!(out, "  # {comment}");

@@ -11,7 +11,6 @@ use super::{
 pub type Level<'a> = (&'a Trial, &'a [PointQuality]);
 
 /// The schedule of the fewest switchings that both the flights and the short-period model accept.
-#[must_use]
 pub fn fewest_accepted<'a>(levels: &[Level<'a>]) -> Option<&'a Trial> {
     levels
         .iter()
@@ -21,14 +20,12 @@ pub fn fewest_accepted<'a>(levels: &[Level<'a>]) -> Option<&'a Trial> {
 }
 
 /// The schedule of the fewest switchings that the flights accept.
-#[must_use]
 pub fn fewest_flown<'a>(levels: &[Level<'a>]) -> Option<&'a Trial> {
     let mut trials = levels.iter().rev().map(|(trial, _)| *trial);
     trials.find(|trial| trial.accepted)
 }
 
 /// What speaks against one schedule; empty where it is accepted.
-#[must_use]
 pub fn objections((trial, points): Level<'_>) -> Vec<String> {
     let flights = (!trial.accepted).then(|| {
         format!(
@@ -42,7 +39,6 @@ pub fn objections((trial, points): Level<'_>) -> Vec<String> {
 }
 
 /// That no schedule is accepted, with everything that speaks against each; a line a schedule.
-#[must_use]
 pub fn none_accepted(levels: &[Level<'_>]) -> String {
     let mut text = format!(
         "no schedule is accepted by flights and by the short-period model (overshoot at most {} %, residual at most {} %)",
@@ -57,7 +53,6 @@ pub fn none_accepted(levels: &[Level<'_>]) -> String {
 }
 
 /// The designed schedule as `[gains]`; it is the first level.
-#[must_use]
 pub fn designed_section(levels: &[Level<'_>]) -> String {
     levels.first().map_or_else(String::new, |first| {
         let against = objections(*first);
@@ -72,7 +67,6 @@ pub fn designed_section(levels: &[Level<'_>]) -> String {
 
 /// The accepted schedule of the fewest switchings as `[gains_reduced]`, and, as a comment, the one
 /// that the flights alone accept. Where none is accepted that is said in its place.
-#[must_use]
 pub fn reduced_sections(levels: &[Level<'_>]) -> String {
     let both = fewest_accepted(levels).map_or_else(
         || commented(&format!("[gains_reduced]: {}", none_accepted(levels))),

@@ -6,7 +6,6 @@ use super::results::{Flown, LongPeriodResults, ModeResult};
 use crate::study::claim::{Claim, Verdict};
 
 /// Judges L1, L2, L2b and L3.
-#[must_use]
 pub fn judge(results: &LongPeriodResults) -> Vec<Claim> {
     vec![l1(results), l2(results), l2b(results), l3(results)]
 }

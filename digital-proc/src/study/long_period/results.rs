@@ -22,7 +22,6 @@ pub enum FlightWind {
 
 impl FlightWind {
     /// In words.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             FlightWind::Calm => "calm",
@@ -80,7 +79,6 @@ pub struct FlightFigures {
 
 impl FlightFigures {
     /// Of a summary.
-    #[must_use]
     pub fn new(s: &FlightSummary) -> Self {
         Self {
             speed_mps: s.end.speed_mps,
@@ -115,7 +113,6 @@ pub struct Departure {
 
 impl Departure {
     /// Of `flight` from `nominal`.
-    #[must_use]
     pub fn new(flight: &FlightFigures, nominal: &FlightFigures) -> Self {
         Self {
             speed_fraction: flight.speed_mps / nominal.speed_mps - 1.0,
@@ -126,7 +123,6 @@ impl Departure {
     }
 
     /// The largest of its four parts, each over what is accepted: at most 1 is accepted.
-    #[must_use]
     pub fn severity(&self, accept: &Acceptance) -> f64 {
         [
             self.speed_fraction / accept.speed_fraction,
@@ -162,7 +158,6 @@ pub struct Acceptance {
 
 impl Acceptance {
     /// Of the vehicle's data.
-    #[must_use]
     pub fn new(vehicle: &Vehicle) -> Self {
         let case = &vehicle.data().long_period_case;
         Self {
@@ -198,7 +193,6 @@ pub struct ModeResult {
 
 impl ModeResult {
     /// Before anything was flown but the design case.
-    #[must_use]
     pub fn new(
         script: &FlightScript,
         design: Flown,
@@ -260,7 +254,6 @@ pub struct LongPeriodResults {
 impl LongPeriodResults {
     /// The flight with the greatest use of side-force fluid (objective v) among
     /// all that were flown; yaw misalignment is nominal in all of them.
-    #[must_use]
     pub fn worst_fuel(&self) -> Option<FuelCase> {
         self.modes
             .iter()

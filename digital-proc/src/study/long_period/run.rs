@@ -53,7 +53,6 @@ pub struct LongPeriodPlan {
 impl LongPeriodPlan {
     /// The shipped study of `modes`: 0.1 s steps of five fast frames, the
     /// envelope [`ENVELOPE`], both winds.
-    #[must_use]
     pub fn new(modes: Vec<FlightScript>, profile: Profile) -> LongPeriodPlan {
         LongPeriodPlan {
             modes,
@@ -69,7 +68,6 @@ impl LongPeriodPlan {
     }
 
     /// Number of flights.
-    #[must_use]
     pub fn flights(&self) -> usize {
         1 + self.modes.len() * (1 + self.envelope.len() + usize::from(self.reversed))
     }

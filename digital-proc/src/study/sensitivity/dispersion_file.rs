@@ -84,7 +84,6 @@ impl Dispersion {
     }
 
     /// Title and settings, for a table.
-    #[must_use]
     pub fn label(&self) -> String {
         match self.what {
             Dispersed::Factors(_, [low, high]) => {

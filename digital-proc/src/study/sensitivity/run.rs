@@ -61,7 +61,6 @@ impl Measure {
     ];
 
     /// Name and unit.
-    #[must_use]
     pub fn label(self) -> (&'static str, &'static str) {
         match self {
             Measure::Overshoot => ("Overshoot", "%"),
@@ -73,7 +72,6 @@ impl Measure {
     }
 
     /// Its value; no number where a run diverged.
-    #[must_use]
     pub fn of(self, answer: &Answer) -> f64 {
         let percent = |v: Option<f64>| v.map_or(f64::NAN, |v| 100.0 * v);
         match self {
@@ -100,7 +98,6 @@ pub struct Effect {
 impl Effect {
     /// Greatest minus least of a measure over low, nominal and high; infinite
     /// where a run diverged.
-    #[must_use]
     pub fn span(&self, measure: Measure, nominal: &Answer) -> f64 {
         let values = [&self.low, nominal, &self.high].map(|a| measure.of(a));
         if values.iter().any(|v| v.is_nan()) {
@@ -144,7 +141,6 @@ pub struct PointSensitivity {
 
 impl PointSensitivity {
     /// Effects by falling span of a measure.
-    #[must_use]
     pub fn ranked(&self, measure: Measure) -> Vec<&Effect> {
         let mut all: Vec<&Effect> = self.effects.iter().collect();
         all.sort_by(|a, b| {
@@ -217,7 +213,6 @@ pub fn run(
 }
 
 /// Runs that [`run`] makes, counted in loops measured.
-#[must_use]
 pub fn loops(dispersions: &Dispersions) -> usize {
     dispersions.points.len() * (1 + 2 * dispersions.all.len() + CORNERS_RUN)
 }

@@ -62,7 +62,6 @@ pub enum Compared {
 
 impl Agreement {
     /// Whether they agree.
-    #[must_use]
     pub fn agrees(&self) -> bool {
         match self.compared {
             Compared::Response { attitude, bending } => {
@@ -78,7 +77,6 @@ impl Agreement {
 }
 
 /// Compares every undisturbed pitch run that is linear, throughout or late.
-#[must_use]
 pub fn compare(plan: &Plan, responses: &[PitchResponse]) -> Vec<Agreement> {
     let whole = Window { from_s: 0.0, to_s: plan.duration_s };
     plan.pitch
@@ -130,7 +128,6 @@ fn against_exponential(
 }
 
 /// Gains of the channels if both keep to one linear range in the window.
-#[must_use]
 pub fn linear_range(
     settings: &PitchSettings,
     response: &PitchResponse,

@@ -25,7 +25,6 @@ pub const TVC_SLOW: &str = "tvc-slow";
 pub const TVC_FAST: &str = "tvc-fast";
 
 /// Judges P1 to P6 and Y1 to Y4.
-#[must_use]
 pub fn judge(plan: &Plan, results: &Results) -> Vec<Claim> {
     let pitch_runs = Runs::new(plan, &plan.pitch, &results.pitch);
     let yaw_roll_runs = Runs::new(plan, &plan.yaw_roll, &results.yaw_roll);

@@ -139,7 +139,6 @@ pub struct YawRollInitial {
 impl Plane {
     /// Coefficients of a point under a disturbance. Mass, inertia, speed and
     /// time constants of a frozen point are positive.
-    #[must_use]
     pub fn new(point: &FrozenPoint, disturbance: &Disturbance) -> Plane {
         let inertia = point.inertia_kgm2;
         let bending = point.bending_frequency_radps;
@@ -178,7 +177,6 @@ impl Plane {
     }
 
     /// The plane with thrust vector control alone in yaw: no dead zone, its own gains.
-    #[must_use]
     pub fn dedicated(self, point: &FrozenPoint) -> Plane {
         Plane {
             dead_zone: 0.0,
@@ -225,13 +223,11 @@ impl Plane {
 
 impl PitchSettings {
     /// Settings of a pitch run at a point.
-    #[must_use]
     pub fn new(point: &FrozenPoint, disturbance: &Disturbance, command_rad: f64) -> PitchSettings {
         PitchSettings { plane: Plane::new(point, disturbance), command_rad }
     }
 
     /// Value of every coefficient unit and converter of the patch, by block name.
-    #[must_use]
     pub fn settings(&self) -> Vec<(&'static str, f64)> {
         let mut all = self.plane.settings();
         all.push(("fin_force", self.plane.tip_force));
@@ -242,7 +238,6 @@ impl PitchSettings {
 
 impl YawRollSettings {
     /// Settings of a yaw–roll run at a point, tips shared or dedicated to roll.
-    #[must_use]
     pub fn new(
         point: &FrozenPoint,
         disturbance: &Disturbance,
@@ -263,7 +258,6 @@ impl YawRollSettings {
     }
 
     /// Value of every coefficient unit, converter and control line of the patch, by block name.
-    #[must_use]
     pub fn settings(&self) -> Vec<(&'static str, f64)> {
         let mut all = self.plane.settings();
         all.extend([
@@ -283,7 +277,6 @@ impl YawRollSettings {
     }
 
     /// Initial conditions by integrator name.
-    #[must_use]
     pub fn initial_conditions(&self) -> [(&'static str, f64); 4] {
         [
             ("plane.theta", self.initial.yaw_rad),

@@ -32,7 +32,6 @@ impl ChannelGains {
 
 /// Gain of a dead zone of half width `half_width` to a sine of `amplitude`:
 /// N = 1 − (2/π)(sin⁻¹ρ + ρ√(1−ρ²)), ρ = half_width/amplitude; 0 for ρ ≥ 1.
-#[must_use]
 pub fn dead_zone_gain(half_width: f64, amplitude: f64) -> f64 {
     if amplitude <= half_width {
         return 0.0;
@@ -52,20 +51,17 @@ pub struct Root {
 
 impl Root {
     /// Natural frequency |s|, rad/s.
-    #[must_use]
     pub fn frequency_radps(&self) -> f64 {
         libm::hypot(self.real, self.imaginary)
     }
 
     /// Damping ratio −Re s/|s|; 0 for a root at the origin.
-    #[must_use]
     pub fn damping(&self) -> f64 {
         let frequency = self.frequency_radps();
         if frequency == 0.0 { 0.0 } else { -self.real / frequency }
     }
 
     /// Whether it belongs to an oscillation.
-    #[must_use]
     pub fn oscillates(&self) -> bool {
         self.imaginary != 0.0
     }
@@ -73,7 +69,6 @@ impl Root {
 
 /// State matrix of a plane, states: drift rate, θ, θ̇, δ, F_T, gyro rate, gyro
 /// slope, η, η̇, filtered error; shape `[10][10]`.
-#[must_use]
 pub fn plane_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 10> {
     const DRIFT: usize = 0;
     const THETA: usize = 1;
@@ -123,7 +118,6 @@ pub fn plane_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 10> 
 /// State matrix of the roll loop, states: φ, p, half the difference of the tips,
 /// gyro rate, gyro slope; shape `[5][5]`. With the tips inside their travel yaw and
 /// roll do not couple: sum and difference of two equal linear tips are independent.
-#[must_use]
 pub fn roll_matrix(settings: &YawRollSettings) -> SMatrix<f64, 5, 5> {
     let plane = &settings.plane;
     let mut a = SMatrix::<f64, 5, 5>::zeros();
@@ -143,7 +137,6 @@ pub fn roll_matrix(settings: &YawRollSettings) -> SMatrix<f64, 5, 5> {
 /// Attitude and bending coordinate (rad, m) after a step command from rest, both channels
 /// staying in the range that `gains` describes: x(t) = ∫₀ᵗ exp(A s) b ds by the
 /// exponential of the matrix with its input appended, exact at every sample.
-#[must_use]
 pub fn step_response(
     plane: &Plane,
     gains: ChannelGains,
@@ -172,7 +165,6 @@ pub fn step_response(
 
 /// Eigenvalues, by increasing natural frequency, the positive imaginary part of a pair
 /// first. Empty if the matrix has a non-finite entry or the QR iteration gives up.
-#[must_use]
 pub fn roots<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Root> {
     if matrix.iter().any(|v| !v.is_finite()) {
         return Vec::new();
@@ -205,7 +197,6 @@ pub struct PlaneRoots {
 }
 
 /// Picks the attitude and bending roots.
-#[must_use]
 pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
     let all = roots(&plane_matrix(plane, gains));
     let bending_frequency = plane.bending_spring.sqrt();

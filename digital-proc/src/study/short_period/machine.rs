@@ -30,7 +30,6 @@ pub struct Patches {
 
 impl Patches {
     /// As shipped.
-    #[must_use]
     pub fn shipped() -> Patches {
         let bundle = |root: &str, text: &str| PatchBundle {
             root: root.to_owned(),

@@ -65,7 +65,6 @@ pub struct PitchMeasures {
 
 impl PitchMeasures {
     /// Measures a run.
-    #[must_use]
     pub fn new(plan: &Plan, case: &PitchCase, response: &PitchResponse) -> PitchMeasures {
         let sample_s = response.sample_s;
         let theta = response.theta_rad();
@@ -101,7 +100,6 @@ impl PitchMeasures {
     }
 
     /// Bending envelope of window 1 or 2 over that just after the step.
-    #[must_use]
     pub fn bending_ratio(&self, window: usize) -> Option<f64> {
         let first = self.bending_m[0].filter(|e| *e > 0.0)?;
         Some((*self.bending_m.get(window)?)? / first)
@@ -110,7 +108,6 @@ impl PitchMeasures {
 
 /// Greatest tip moment over the static moment of misalignment, gust and step attitude;
 /// 0 without tips.
-#[must_use]
 pub fn tip_authority(plane: &Plane, command_rad: &f64) -> f64 {
     if plane.ftc_gain == 0.0 {
         return 0.0;
@@ -149,7 +146,6 @@ pub struct YawRollMeasures {
 
 impl YawRollMeasures {
     /// Measures a run.
-    #[must_use]
     pub fn new(case: &YawRollCase, response: &YawRollResponse) -> YawRollMeasures {
         let sample_s = response.sample_s;
         let (yaw, roll) = (response.yaw_rad(), response.roll_rad());
@@ -200,7 +196,6 @@ pub struct Results {
 
 impl Results {
     /// Measures all runs; responses stand in the plan's order, extra ones are ignored.
-    #[must_use]
     pub fn new(plan: &Plan, pitch: &[PitchResponse], yaw_roll: &[YawRollResponse]) -> Results {
         Results {
             pitch: plan

@@ -36,7 +36,6 @@ impl Window {
 
 /// Greatest excess of a step response over the step, as a fraction of the step;
 /// 0 if it never exceeds it. `None` for a step of 0.
-#[must_use]
 pub fn overshoot(column: &[f64], step: f64) -> Option<f64> {
     if step == 0.0 || column.is_empty() || column.iter().any(|v| !v.is_finite()) {
         return None;
@@ -47,7 +46,6 @@ pub fn overshoot(column: &[f64], step: f64) -> Option<f64> {
 
 /// Instant from which the column stays within `band` of `target` to the end, the
 /// crossing interpolated linearly between its samples; `None` if it does not at the end.
-#[must_use]
 pub fn settling_s(column: &[f64], sample_s: f64, target: f64, band: f64) -> Option<f64> {
     let distance = |v: f64| (v - target).abs();
     let inside = |v: &f64| distance(*v) <= band;
@@ -63,7 +61,6 @@ pub fn settling_s(column: &[f64], sample_s: f64, target: f64, band: f64) -> Opti
 }
 
 /// Peak-to-peak value in a window after removing the least-squares parabola.
-#[must_use]
 pub fn detrended_peak_to_peak(column: &[f64], sample_s: f64, window: Window) -> Option<f64> {
     let range = window.indices(sample_s, column.len());
     let values = &column[range];
@@ -95,7 +92,6 @@ pub fn detrended_peak_to_peak(column: &[f64], sample_s: f64, window: Window) -> 
 /// The average is that of the piecewise-linear column, and is taken only where the
 /// whole period lies inside the record: shape `[samples]`, `None` elsewhere. A sine
 /// of that period passes unchanged, a steady trend is removed.
-#[must_use]
 pub fn oscillating_part(column: &[f64], sample_s: f64, period_s: f64) -> Vec<Option<f64>> {
     let half = period_s / 2.0 / sample_s;
     if !half.is_finite() || half <= 0.0 {
@@ -131,7 +127,6 @@ pub fn oscillating_part(column: &[f64], sample_s: f64, period_s: f64) -> Vec<Opt
 }
 
 /// Largest |x − moving average over one period| in a window.
-#[must_use]
 pub fn envelope(column: &[f64], sample_s: f64, period_s: f64, window: Window) -> Option<f64> {
     let range = window.indices(sample_s, column.len());
     if column[range.clone()].iter().any(|v| !v.is_finite()) {
@@ -158,7 +153,6 @@ pub struct Oscillation {
 /// half-wave peaks (each by the parabola through its three highest samples).
 ///
 /// `None` with fewer than four half-waves.
-#[must_use]
 pub fn oscillation(
     column: &[f64],
     sample_s: f64,
@@ -218,7 +212,6 @@ fn slope(points: &[(f64, f64)]) -> f64 {
 /// Longest unbroken time for which `condition` holds at the samples, s.
 ///
 /// A single sample counts as one interval.
-#[must_use]
 pub fn longest_run_s(len: usize, sample_s: f64, condition: impl Fn(usize) -> bool) -> f64 {
     let mut longest = 0_usize;
     let mut present = 0_usize;
@@ -230,13 +223,11 @@ pub fn longest_run_s(len: usize, sample_s: f64, condition: impl Fn(usize) -> boo
 }
 
 /// Total time for which |x| is at least `level`, s.
-#[must_use]
 pub fn time_beyond_s(column: &[f64], sample_s: f64, level: f64) -> f64 {
     column.iter().filter(|v| v.abs() >= level).count() as f64 * sample_s
 }
 
 /// First instant at which |x| exceeds `level`, s.
-#[must_use]
 pub fn first_beyond_s(column: &[f64], sample_s: f64, level: f64) -> Option<f64> {
     column.iter().position(|v| v.abs() > level).map(|i| i as f64 * sample_s)
 }

@@ -25,7 +25,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// Measures the answers.
-    #[must_use]
     pub fn new(plan: Plan, answers: Answers) -> Outcome {
         Outcome {
             results: Results::new(&plan, &answers.pitch, &answers.yaw_roll),
@@ -36,7 +35,6 @@ impl Outcome {
     }
 
     /// Judges the paper's sentences.
-    #[must_use]
     pub fn claims(&self) -> Vec<Claim> {
         claims::judge(&self.plan, &self.results)
     }
@@ -47,7 +45,6 @@ impl Outcome {
     }
 
     /// Number of a pitch run, by names.
-    #[must_use]
     pub fn pitch_run(&self, point: usize, condition: &str, disturbed: bool) -> Option<usize> {
         self.plan.pitch.iter().position(|c| {
             c.point == point
@@ -57,7 +54,6 @@ impl Outcome {
     }
 
     /// Number of a yaw–roll run, by names.
-    #[must_use]
     pub fn yaw_roll_run(&self, point: usize, condition: &str, dedicated: bool) -> Option<usize> {
         self.plan.yaw_roll.iter().position(|c| {
             c.point == point
@@ -67,7 +63,6 @@ impl Outcome {
     }
 
     /// Remarks of the machine in words, run by run.
-    #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let plan = &self.plan;
         self.answers
@@ -86,14 +81,12 @@ impl Outcome {
 
 impl Plan {
     /// Name of a pitch run, unique within the plan.
-    #[must_use]
     pub fn pitch_name(&self, case: &PitchCase) -> String {
         let test = if case.disturbed { "" } else { ".undisturbed" };
         format!("{}{test}", self.cell(case.point, case.condition))
     }
 
     /// Name of a yaw–roll run, unique within the plan.
-    #[must_use]
     pub fn yaw_roll_name(&self, case: &YawRollCase) -> String {
         let tips = if case.settings.dedicated { ".dedicated" } else { "" };
         format!("{}{tips}", self.cell(case.point, case.condition))

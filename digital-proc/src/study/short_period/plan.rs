@@ -109,7 +109,6 @@ impl Plan {
     }
 
     /// Number of samples after the one at zero.
-    #[must_use]
     pub fn samples(&self) -> usize {
         (self.duration_s / self.sample_s).round() as usize
     }
@@ -197,7 +196,6 @@ impl Condition {
     }
 
     /// The point as this condition leaves it; `None` where it cannot apply.
-    #[must_use]
     pub fn freeze(&self, vehicle: &Vehicle, slice: &SlicePoint) -> Option<FrozenPoint> {
         let gains = self.gains.at(vehicle, slice.time_s)?;
         let mut frozen = FrozenPoint::new(vehicle, slice, &gains);
@@ -217,7 +215,6 @@ impl Condition {
 
 impl GainSource {
     /// Gains at a flight time; `None` if there is no such interval.
-    #[must_use]
     pub fn at(self, vehicle: &Vehicle, time_s: f64) -> Option<LoopGains> {
         let designed = vehicle.designed_schedule();
         match self {

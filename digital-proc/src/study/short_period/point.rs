@@ -107,7 +107,6 @@ pub struct FrozenPoint {
 
 impl FrozenPoint {
     /// Freezes a point of the nominal flight with the given loop gains.
-    #[must_use]
     pub fn new(vehicle: &Vehicle, slice: &SlicePoint, gains: &LoopGains) -> FrozenPoint {
         let data = vehicle.data();
         let frame = &slice.airframe;

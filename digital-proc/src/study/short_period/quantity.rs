@@ -30,7 +30,6 @@ pub enum Range {
 
 impl Range {
     /// Whether a value is finite and in the range.
-    #[must_use]
     pub fn contains(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -104,13 +103,11 @@ quantities! {
 
 impl Quantity {
     /// Finds a quantity by its name in the study file.
-    #[must_use]
     pub fn find(name: &str) -> Option<&'static Quantity> {
         QUANTITIES.iter().find(|q| q.name == name)
     }
 
     /// Its value at a point, SI.
-    #[must_use]
     pub fn get(&self, point: &FrozenPoint) -> f64 {
         let mut copy = *point;
         *(self.field)(&mut copy)

@@ -149,7 +149,6 @@ impl Grid {
 }
 
 /// Runs the pitch loop from rest.
-#[must_use]
 pub fn pitch(settings: &PitchSettings, grid: &Grid) -> PitchResponse {
     let plane = &settings.plane;
     let mut response = PitchResponse::new(grid.sample_s);
@@ -179,7 +178,6 @@ pub fn pitch(settings: &PitchSettings, grid: &Grid) -> PitchResponse {
 }
 
 /// Runs the yaw and roll loops from their initial offsets.
-#[must_use]
 pub fn yaw_roll(settings: &YawRollSettings, grid: &Grid) -> YawRollResponse {
     let plane = &settings.plane;
     let mut response = YawRollResponse::new(grid.sample_s);
@@ -214,7 +212,6 @@ pub fn yaw_roll(settings: &YawRollSettings, grid: &Grid) -> YawRollResponse {
 }
 
 /// Answers every run of a plan, in its order, at about `step_s` of integration step.
-#[must_use]
 pub fn answer(plan: &Plan, step_s: f64) -> (Vec<PitchResponse>, Vec<YawRollResponse>) {
     let grid = Grid {
         samples: plan.samples(),

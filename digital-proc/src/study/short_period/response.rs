@@ -57,7 +57,6 @@ pub type YawRollResponse = Response<12>;
 
 impl<const N: usize> Response<N> {
     /// An empty response.
-    #[must_use]
     pub fn new(sample_s: f64) -> Self {
         Response { sample_s, columns: std::array::from_fn(|_| Vec::new()) }
     }
@@ -70,31 +69,26 @@ impl<const N: usize> Response<N> {
     }
 
     /// Number of instants.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.columns[0].len()
     }
 
     /// Whether nothing was recorded.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Samples of channel `index`.
-    #[must_use]
     pub fn channel(&self, index: usize) -> &[f64] {
         &self.columns[index]
     }
 
     /// Problem time of sample `index`, s.
-    #[must_use]
     pub fn time_s(&self, index: usize) -> f64 {
         index as f64 * self.sample_s
     }
 
     /// Whether every sample is finite; a diverging run may not be.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         self.columns.iter().flatten().all(|v| v.is_finite())
     }
@@ -102,37 +96,31 @@ impl<const N: usize> Response<N> {
 
 impl PitchResponse {
     /// Pitch attitude θ, rad.
-    #[must_use]
     pub fn theta_rad(&self) -> &[f64] {
         self.channel(0)
     }
 
     /// Angle of attack α, rad.
-    #[must_use]
     pub fn alpha_rad(&self) -> &[f64] {
         self.channel(2)
     }
 
     /// First bending coordinate η, m at the nozzle exit.
-    #[must_use]
     pub fn eta_m(&self) -> &[f64] {
         self.channel(3)
     }
 
     /// Thrust-vector force, N.
-    #[must_use]
     pub fn tvc_force_n(&self) -> &[f64] {
         self.channel(5)
     }
 
     /// Tip deflection, rad.
-    #[must_use]
     pub fn tip_rad(&self) -> &[f64] {
         self.channel(6)
     }
 
     /// Error of the thrust-vector channel, before the dead zone, rad.
-    #[must_use]
     pub fn tvc_error_rad(&self) -> &[f64] {
         self.channel(9)
     }
@@ -140,37 +128,31 @@ impl PitchResponse {
 
 impl YawRollResponse {
     /// Yaw attitude ψ, rad.
-    #[must_use]
     pub fn yaw_rad(&self) -> &[f64] {
         self.channel(0)
     }
 
     /// Roll attitude φ, rad.
-    #[must_use]
     pub fn roll_rad(&self) -> &[f64] {
         self.channel(2)
     }
 
     /// First bending coordinate η, m.
-    #[must_use]
     pub fn eta_m(&self) -> &[f64] {
         self.channel(6)
     }
 
     /// Thrust-vector force in yaw, N.
-    #[must_use]
     pub fn tvc_force_n(&self) -> &[f64] {
         self.channel(9)
     }
 
     /// Deflection of tip 2, rad.
-    #[must_use]
     pub fn tip2_rad(&self) -> &[f64] {
         self.channel(10)
     }
 
     /// Deflection of tip 4, rad.
-    #[must_use]
     pub fn tip4_rad(&self) -> &[f64] {
         self.channel(11)
     }

@@ -3,7 +3,7 @@
 //! This folder alone names iceoryx2. Frames go by publish-subscribe, one
 //! service a direction, so that an observer may subscribe too and can never
 //! stall the session (safe overflow: who falls behind loses frames and sees it
-//! in their numbers). The control plane goes by request-response ([`control`]).
+//! in their numbers). The control plane goes by request-response (`control`).
 //!
 //! All shared memory of a session lies under the session's own prefix and
 //! directory, and the session removes it: after a kill -9 iceoryx2's own
