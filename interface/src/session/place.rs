@@ -70,14 +70,16 @@ impl Place {
         let mut lock = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(lock) = lock.take() else { return };
         let held = BaseLock::existing(&self.base);
-        // Where the partner removed the session already, a namesake may have followed it.
-        let ours = is_same_file(&lock, &lock_path(&self.root, self.side));
+        let [own, partner] = [self.side, self.side.partner()].map(|s| lock_path(&self.root, s));
+        // Where the partner removed the session already, a namesake may have followed it …
+        let ours = is_same_file(&lock, &own);
         drop(lock);
         // Without the base's lock nothing is removed: the next sweep will do it.
         if let Ok(Some(held)) = held {
-            let last = self.heir.load(Ordering::Relaxed)
-                || !is_held(&lock_path(&self.root, self.side.partner()));
-            if ours && last {
+            let last = self.heir.load(Ordering::Relaxed) || !is_held(&partner);
+            // … or it was killed half-way: then nobody holds what is left.
+            let half = !own.exists() && !is_held(&partner);
+            if ours && last || half {
                 remove_session(&self.root);
             }
             held.release();

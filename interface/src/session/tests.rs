@@ -193,3 +193,13 @@ fn a_namesake_that_followed_is_left_alone() {
     drop(digital);
     assert!(namesake.root().exists());
 }
+
+#[test]
+fn what_a_partner_was_killed_removing_is_removed() {
+    let base = base();
+    let digital = Session::create_in(base.path(), Side::Digital, Some("one")).unwrap();
+    let root = digital.root().to_owned();
+    std::fs::remove_file(remains::lock_path(&root, Side::Digital)).unwrap();
+    drop(digital);
+    assert!(!root.exists());
+}
