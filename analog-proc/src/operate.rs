@@ -61,6 +61,8 @@ pub(crate) struct Engine {
     pub largest: Vec<f64>,
     /// Whether a state has come back from its greatest magnitude.
     turned: Vec<bool>,
+    /// The error of each state that shorter steps do not lessen: rounding.
+    grain: Vec<f64>,
     /// The greatest magnitude of a net while some state only grew.
     greatest: f64,
     pub integration: Integration,
@@ -89,6 +91,7 @@ pub(crate) struct Engine {
     doubts: Vec<Doubted>,
     probes: u32,
     cuts: u32,
+    cut_at_surface: bool,
     margins: Vec<Rated>,
     margins_low: Vec<Rated>,
     margins_high: Vec<Rated>,
@@ -133,6 +136,7 @@ impl Engine {
             atol: vec![0.0; states],
             largest: vec![0.0; states],
             turned: vec![false; states],
+            grain: vec![0.0; states],
             greatest: 0.0,
             integration,
             t_s: 0.0,
@@ -152,6 +156,7 @@ impl Engine {
             doubts: vec![Doubted::default(); sides],
             probes: 0,
             cuts: 0,
+            cut_at_surface: false,
             margins: vec![Rated::default(); sides],
             margins_low: vec![Rated::default(); sides],
             margins_high: vec![Rated::default(); sides],

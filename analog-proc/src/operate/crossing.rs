@@ -96,6 +96,10 @@ impl Engine {
         let h_s = end_s - start_s;
         self.look_at_sides(END, 1.0);
         let Some((low, high)) = self.exclude(h_s)? else {
+            if self.probes > 0 {
+                // The search has looked elsewhere.
+                self.rate_end();
+            }
             return Ok(Ending::Whole);
         };
         self.find_noise_of_ends();
@@ -110,6 +114,14 @@ impl Engine {
         self.locate(low_s, high_s, h_s).unwrap_or(Ok(Ending::Failed))
     }
 
+    /// Whether a side that the dense output saw crossed is at its surface as far as rounding
+    /// tells.
+    fn is_at_surface(&self) -> bool {
+        let sides = self.nodes[END].sides.iter().zip(&self.nodes[END].noise);
+        let mut seen = sides.zip(&self.margins_high).filter(|(_, seen)| seen.value > 0.0);
+        seen.any(|((side, noise), _)| side.value.abs() <= *noise)
+    }
+
     /// Locates the crossing between `low_s` and `high_s` on the dense output of a step of `h_s`
     /// first, then by steps; `None` where the method fails.
     fn locate(&mut self, low_s: f64, high_s: f64, h_s: f64) -> Option<Result<Ending, RunFault>> {
@@ -120,6 +132,7 @@ impl Engine {
         if !self.crossed_at(high_s, true)? {
             // The dense output saw what the method does not confirm: the step is cut
             // there and goes on from its true value.
+            self.cut_at_surface = self.is_at_surface();
             return Some(Ok(Ending::Cut(high_s)));
         }
         std::mem::swap(&mut self.margins, &mut self.margins_high);

@@ -139,7 +139,7 @@ impl Engine {
         RunFault::Chatter {
             t_s: self.t_s,
             block: self.machine.block_name(block),
-            events: self.chatter,
+            events: self.chatter.max(self.switched[element as usize].shorter + 1),
         }
     }
 }

@@ -90,6 +90,7 @@ impl Engine {
     /// The nodes between which the first crossing of the step lies, the crossing by
     /// then at the later one; `None` where the step crosses nothing.
     pub(super) fn exclude(&mut self, h_s: f64) -> Result<Option<(usize, usize)>, RunFault> {
+        self.probes = 0;
         let (start, end) = (&self.nodes[START].sides, &self.nodes[END].sides);
         let cube = h_s * h_s * h_s;
         let scale = cube / self.former_cube;
@@ -127,7 +128,6 @@ impl Engine {
                 self.find_noise(node);
             }
         }
-        self.probes = 0;
         if self.followed {
             match self.verdict(START, END, 0, h_s) {
                 Verdict::Clear => return Ok(None),
@@ -313,9 +313,10 @@ impl Engine {
     }
 
     /// Steps on end that were cut where the dense output crosses a surface and the method does
-    /// not: beyond some, the output tells nothing of the solution.
+    /// not: beyond some, the output tells nothing of the solution, unless that has come to rest on
+    /// the surface.
     pub(super) fn count_cuts(&mut self, cut: bool) -> Result<(), RunFault> {
-        self.cuts = if cut { self.cuts + 1 } else { 0 };
+        self.cuts = if cut && !self.cut_at_surface { self.cuts + 1 } else { 0 };
         if self.cuts > MOST_CUTS {
             return Err(self.not_followed());
         }

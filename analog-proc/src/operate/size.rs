@@ -11,6 +11,9 @@ use super::Engine;
 /// Part of the greatest net that a state without a size of its own is measured by.
 const FLOOR: f64 = 1e-8;
 
+/// Roundings of the greatest net, as a rate, that a step's error may come of.
+const GRAIN: f64 = 1e3;
+
 /// A state has decayed to nothing where it is no larger than so many tolerances.
 const FADED: f64 = 1e4;
 
@@ -41,10 +44,27 @@ impl Engine {
         let floor = if self.greatest > 0.0 { (FLOOR * self.greatest).min(1.0) } else { 1.0 };
         let atol = self.integration.atol;
         let sizes = self.largest.iter().zip(&self.turned);
-        let states = self.machine.scales.iter().zip(sizes);
-        for (place, (scale, (largest, turned))) in self.atol.iter_mut().zip(states) {
+        let states = self.machine.scales.iter().zip(sizes).zip(&self.grain);
+        for (place, ((scale, (largest, turned)), grain)) in self.atol.iter_mut().zip(states) {
             let own = if *turned { *largest } else { largest.max(floor) };
-            *place = atol * scale.unwrap_or(own);
+            *place = (atol * scale.unwrap_or(own)).max(*grain);
+        }
+    }
+
+    /// After a step was refused for its error: where a shorter one erred as much, within what
+    /// rounding can do, that error is not to be asked for less.
+    pub(super) fn find_grain(&mut self, error: f64, former: &mut Option<(usize, f64, f64)>) {
+        let (worst, h_s) = (self.step.worst, self.step.h_s);
+        let own = error * (self.atol[worst] + self.integration.rtol * self.step.y0[worst].abs());
+        if let Some((was_worst, was_h_s, was)) = former.replace((worst, h_s, own))
+            && was_worst == worst
+            && own > was * (h_s / was_h_s).powi(2)
+        {
+            let nets = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if own <= GRAIN * f64::EPSILON * nets * h_s {
+                self.grain[worst] = 4.0 * own;
+                self.atol[worst] = self.atol[worst].max(4.0 * own);
+            }
         }
     }
 
@@ -52,6 +72,7 @@ impl Engine {
     pub(super) fn forget_sizes(&mut self) {
         self.largest.fill(0.0);
         self.turned.fill(false);
+        self.grain.fill(0.0);
         self.greatest = 0.0;
     }
 

@@ -99,6 +99,7 @@ impl Engine {
         }
         let mut end_s = self.end_of(h_s, target_s, room_s);
         let mut rejected = false;
+        let mut former = None;
         let ending = loop {
             // The step as time resolves it; the wish goes on shrinking below that.
             let step_s = end_s - self.t_s;
@@ -106,6 +107,7 @@ impl Engine {
             let inaccurate = adaptive && (error > 1.0 || error.is_nan());
             let shrink = if inaccurate {
                 if error.is_finite() {
+                    self.find_grain(error, &mut former);
                     let power = -1.0 / self.scheme.exponent();
                     (SAFETY * libm::pow(error, power)).clamp(SHRINK, SAFETY)
                 } else {

@@ -142,3 +142,26 @@ fn a_jump_inside_a_delay_comes_out_as_a_jump() {
     let truth = 10.0 * 2.0 * 0.999_995_f64.acos() / TAU;
     crate::close(found, truth, 1e-8, "area of ten delayed pulses");
 }
+
+#[test]
+fn what_a_search_looked_at_is_no_event_of_a_delay_line() {
+    // Three lines of incommensurable delays behind squares and a sine, one of them compared.
+    let mut bench = Bench::new(
+        r#"
+        s0 = { kind = "signal-generator", wave = "square", frequency = 1.6594, amplitude = 0.796512 }
+        x0 = { kind = "integrator", in = ["s0"] }
+        d0 = { kind = "transport-delay", in = ["x0"], delay = 0.511 }
+        c0 = { kind = "comparator", in = ["d0"], threshold = 0.18688321942331032 }
+        s1 = { kind = "signal-generator", wave = "square", frequency = 7.4522 }
+        s2 = { kind = "signal-generator", wave = "square", frequency = 0.3263, amplitude = 0.075049 }
+        x2 = { kind = "integrator", in = ["s2"] }
+        d2 = { kind = "transport-delay", in = ["x2"], delay = 0.01707 }
+        s3 = { kind = "signal-generator", wave = "sine", frequency = 0.1696, phase = 4.1122 }
+        d3 = { kind = "transport-delay", in = ["s3"], delay = 0.186 }
+    "#,
+    );
+    bench.run(5.0);
+    // Some hundred edges, each followed through every line and five times round.
+    let events = bench.simulation.statistics().events;
+    assert!(events < 20_000, "{events} events");
+}
