@@ -60,7 +60,7 @@ fn every_short_period_claim_holds_on_the_machine() {
     let claims = judged(&plan, &Patches::shipped());
     assert_eq!(claims.len(), 10);
     for claim in &claims {
-        assert!(claim.holds(), "{claim}");
+        assert!(claim.holds(), "{claim:?}");
     }
 }
 

@@ -8,11 +8,7 @@ use super::{
 use crate::{
     console::Console,
     progress::Progress,
-    report::{
-        case_study::{case_study_report, report_claims},
-        claims_text,
-        long_period::fuel_words,
-    },
+    report::{case_study::case_study_report, claims_text, long_period::fuel_words},
     run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
     study::{
         case_study::{self, CaseFault, CasePlan, CaseResults},
@@ -137,8 +133,7 @@ impl From<CaseFault> for Failure {
 
 fn print_claims(results: &CaseResults) {
     let claims = results.claims();
-    let judged = claims_text(&report_claims(&claims, |_| false));
-    say!("{}", judged.trim_end());
+    say!("{}", claims_text(&claims).trim_end());
     let noted: Vec<_> = claims.iter().filter_map(|c| Some((c.id, c.remark.as_ref()?))).collect();
     if !noted.is_empty() {
         say!("\nNoted beside:");

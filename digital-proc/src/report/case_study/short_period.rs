@@ -7,6 +7,7 @@ use crate::report::short_period::{
 };
 use crate::report::{Numbering, Section, anchor};
 use crate::study::case_study::CaseResults;
+use crate::study::claim::Evidence;
 use crate::study::short_period::claims::{
     BENDING_MIDDLE, FTC_GAIN_LOST, NORMAL, OSCILLATORY, OVERSHOOT_P1, TVC_FAST, TVC_SLOW,
 };
@@ -69,7 +70,7 @@ fn figure_4(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
     let runs = pitch_runs(outcome, point, &[NORMAL, FTC_GAIN_LOST, TVC_SLOW]);
     let at = place(outcome, point);
     let step = outcome.plan.step_rad.to_degrees();
-    let figures = pitch_figures(numbering, "figure-4", &format!("at {at}"), &runs);
+    let figures = pitch_figures(numbering, Evidence::FIGURE_4.anchor(), &format!("at {at}"), &runs);
     let growth = growth(numbering, outcome);
     Some(html! {
         p { "Step command of " (format!("{step:.1}")) "° in pitch with thrust misalignment and a step gust at t = 0, at " (at)
@@ -99,7 +100,7 @@ fn growth(numbering: &mut Numbering, outcome: &Outcome) -> Option<Markup> {
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let runs = pitch_runs(outcome, point, &[NORMAL, TVC_FAST]);
     let at = format!("at {}", place(outcome, point));
-    Some(pitch_pair(numbering, "bending-growth", &at, &runs))
+    Some(pitch_pair(numbering, Evidence::BENDING_GROWTH.anchor(), &at, &runs))
 }
 
 fn figure_5(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> {
@@ -124,7 +125,13 @@ fn figure_5(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
         runs.first().map(|(_, _, run)| outcome.plan.yaw_roll[*run].settings.plane.tip_travel);
     let named: Vec<_> = runs.iter().map(|(n, r, _)| (n.clone(), *r)).collect();
     let at = place(outcome, point);
-    let figures = yaw_roll_figures(numbering, "figure-5", &format!("at {at}"), &named, travel);
+    let figures = yaw_roll_figures(
+        numbering,
+        Evidence::FIGURE_5.anchor(),
+        &format!("at {at}"),
+        &named,
+        travel,
+    );
     Some(html! {
         p { "Initial offsets in yaw and roll with fin cant, thrust misalignment and a step gust, at " (at)
             ": the loops coupled by the shared tips (sum to one tip, difference to the other), and decoupled (tips for roll, thrust vector for yaw)." }
@@ -215,7 +222,7 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
             },
         ),
         (
-            "matrix-overshoot",
+            Evidence::OVERSHOOTS.anchor(),
             "Overshoot of θ in the pitch runs without disturbances.",
             Measure {
                 quantity: format!("Overshoot, % of the step; outside above {overshot:.0} %"),
@@ -226,7 +233,7 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
             },
         ),
         (
-            "matrix-bending",
+            Evidence::BENDING.anchor(),
             "Decay of the first bending coordinate in the disturbed pitch runs.",
             Measure {
                 quantity: format!(

@@ -193,7 +193,7 @@ mod tests {
         let claims = judged(&plan(&JUDGED, |_| {}));
         assert_eq!(claims.len(), 10);
         for claim in &claims {
-            assert!(claim.holds(), "{claim}");
+            assert!(claim.holds(), "{claim:?}");
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::super::measure::PitchMeasures;
 use super::{FTC_GAIN_LOST, NORMAL, PitchRuns, TVC_FAST, TVC_SLOW, Worst, both};
-use crate::study::claim::{Claim, Verdict};
+use crate::study::claim::{Claim, Evidence, Verdict};
 
 /// Overshoot up to which a response is satisfactory, as a fraction of the step (P1).
 pub const OVERSHOOT_P1: f64 = 0.25;
@@ -34,6 +34,7 @@ pub(super) fn p1(runs: &PitchRuns) -> Claim {
         Worst::of(true, runs.quiet("reduced-schedule").map(|(c, m)| (m.overshoot, runs.point(c))));
     Claim {
         id: "P1",
+        evidence: Evidence::OVERSHOOTS,
         sentence: "For a step command in pitch, the normal mode response of θ is found to be \
                    quite satisfactory",
         criterion: format!(
@@ -62,6 +63,7 @@ pub(super) fn p2(runs: &PitchRuns) -> Claim {
         .collect();
     Claim {
         id: "P2",
+        evidence: Evidence::FIGURE_4,
         sentence: FAILURE_SENTENCE,
         criterion: format!(
             "FTC gain × 0.05: residual oscillation ≥ {:.0} % of the step from FTC switch-in to {P2_UNTIL_S} s",
@@ -88,6 +90,7 @@ pub(super) fn p3(runs: &PitchRuns) -> Claim {
     let elsewhere = Worst::of(true, residual(false));
     Claim {
         id: "P3",
+        evidence: Evidence::FIGURE_4,
         sentence: FAILURE_SENTENCE,
         criterion: format!(
             "TVC pole 10 → 1 rad/s: residual oscillation ≥ {:.0} % of the step wherever the TVC is \
@@ -123,6 +126,7 @@ pub(super) fn p4(runs: &PitchRuns) -> Claim {
         .collect();
     Claim {
         id: "P4",
+        evidence: Evidence::BENDING_GROWTH,
         sentence: FAILURE_SENTENCE,
         criterion: "TVC time constant 0.1 → 0.005 s: the bending envelope grows from window to \
                     window before the fin tips are switched in"
@@ -147,6 +151,7 @@ pub(super) fn p5(runs: &PitchRuns) -> Claim {
     let (middle, late) = (bending(runs, NORMAL, 1), bending(runs, NORMAL, 2));
     Claim {
         id: "P5",
+        evidence: Evidence::BENDING,
         sentence: BENDING_SENTENCE,
         criterion: format!(
             "normal mode, every point: bending envelope ≤ {:.0} % of its first by 5–6.5 s and ≤ {:.0} % by 8–9.5 s",
@@ -163,6 +168,7 @@ pub(super) fn p6(runs: &PitchRuns) -> Claim {
     let middle = bending(runs, FTC_GAIN_LOST, 1);
     Claim {
         id: "P6",
+        evidence: Evidence::BENDING,
         sentence: BENDING_SENTENCE,
         criterion: format!(
             "FTC gain × 0.05, every point with fin tips: bending envelope ≤ {:.0} % of its first by 5–6.5 s",

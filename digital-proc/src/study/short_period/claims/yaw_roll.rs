@@ -2,7 +2,7 @@
 
 use super::super::measure::{ROLL_BAND_DEG, YAW_BAND_DEG};
 use super::{Worst, YawRollRuns};
-use crate::study::claim::Claim;
+use crate::study::claim::{Claim, Evidence};
 
 const GIVEN_TO_ROLL_S: f64 = 0.15;
 const CALLED_WITHIN_S: f64 = 0.6;
@@ -15,6 +15,7 @@ pub(super) fn y1(runs: &YawRollRuns) -> Claim {
     );
     Claim {
         id: "Y1",
+        evidence: Evidence::FIGURE_5,
         sentence: "the fin tips get first allocated to the roll channel and saturate",
         criterion: format!(
             "both tips ≥ 95 % of their limit in opposite senses for at least {GIVEN_TO_ROLL_S} s while yaw's share is under 10 %"
@@ -30,6 +31,7 @@ pub(super) fn y2(runs: &YawRollRuns) -> Claim {
         Worst::of(true, runs.allocated(false).map(|(c, m)| (m.tvc_called_s, runs.point(c))));
     Claim {
         id: "Y2",
+        evidence: Evidence::FIGURE_5,
         sentence: "… calling in the TVC for the yaw axis",
         criterion: format!(
             "thrust-vector yaw force above 20 % of its maximum within {CALLED_WITHIN_S} s"
@@ -45,6 +47,7 @@ pub(super) fn y3(runs: &YawRollRuns) -> Claim {
         Worst::of(false, runs.allocated(false).map(|(c, m)| (m.yaw_share_after, runs.point(c))));
     Claim {
         id: "Y3",
+        evidence: Evidence::FIGURE_5,
         sentence: "Fin tips become effective in yaw after the roll error is reduced",
         criterion: format!(
             "after roll has fallen to a quarter, tips above {:.0} % of their limit in yaw",
@@ -75,6 +78,7 @@ pub(super) fn y4(runs: &YawRollRuns) -> Claim {
         Worst::of(true, runs.allocated(true).map(|(c, m)| (m.roll_settling_s, runs.point(c))));
     Claim {
         id: "Y4",
+        evidence: Evidence::FIGURE_5,
         sentence: "using the fin tips exclusively for the roll channel and the TVC correspondingly \
                    for the yaw stabilisation … may eliminate yaw-roll interaction and achieve \
                    better response times",
