@@ -70,7 +70,7 @@ impl CaseStudy {
             None => Some(Dispersions::shipped().map_err(Failure::input)?),
         };
         if let Some(dispersions) = &dispersions {
-            dispersions.check(&vehicle).map_err(Failure::input)?;
+            dispersions.locate(&vehicle).map_err(Failure::input)?;
         }
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let plan = CasePlan {

@@ -18,7 +18,7 @@ pub mod machine;
 pub mod measure;
 pub mod metrics;
 pub mod outcome;
-mod places;
+pub mod places;
 pub mod plan;
 pub mod point;
 pub mod quantity;
