@@ -16,7 +16,7 @@ use crate::{
         machine::{self, Patches},
         outcome::Outcome,
         plan::Plan,
-        response::{PITCH_CHANNELS, PITCH_UNITS, YAW_ROLL_CHANNELS, YAW_ROLL_UNITS},
+        response::{PITCH_CHANNELS, YAW_ROLL_CHANNELS},
     },
 };
 use interface::{Tick, profile::Profile, say};
@@ -186,16 +186,16 @@ pub fn write_traces(
     let mut curves = Curves::new();
     for (case, response) in plan.pitch.iter().zip(&outcome.answers.pitch) {
         let run = plan.pitch_name(case);
-        for (c, (channel, unit)) in PITCH_CHANNELS.iter().zip(PITCH_UNITS).enumerate() {
-            curves.add(format!("{run}.{channel}"), unit, response.channel(c));
+        for (c, channel) in PITCH_CHANNELS.iter().enumerate() {
+            curves.add(format!("{run}.{}", channel.adc), channel.unit, response.channel(c));
         }
     }
     for (case, response) in plan.yaw_roll.iter().zip(&outcome.answers.yaw_roll) {
         let run = plan.yaw_roll_name(case);
         // A point and condition has both loops: their bending coordinates are two.
-        for (c, (channel, unit)) in YAW_ROLL_CHANNELS.iter().zip(YAW_ROLL_UNITS).enumerate() {
-            let name = format!("{run}.yaw-roll.{channel}");
-            curves.add(name, unit, response.channel(c));
+        for (c, channel) in YAW_ROLL_CHANNELS.iter().enumerate() {
+            let name = format!("{run}.yaw-roll.{}", channel.adc);
+            curves.add(name, channel.unit, response.channel(c));
         }
     }
     let sample_ns = (plan.sample_s * 1e9).round() as i64;
