@@ -98,7 +98,7 @@ impl CaseStudy {
         let mut parameters = toml::Table::new();
         self.input.record(&mut parameters, &vehicle, &study)?;
         parameters.insert("failure-file".to_owned(), failures.file.clone().into());
-        let mut patches = results.short.answers.patches.clone();
+        let mut patches = results.short.patches.clone();
         patches.push(stage_patch);
         let record = record("case-study", &self.machine, &profile, started, &patches, parameters);
         directory.write_record(&record)?;

@@ -14,7 +14,7 @@ use crate::{
     study::short_period::{
         claims::NORMAL,
         machine::{self, Patches},
-        outcome::Outcome,
+        outcome::{Outcome, Run},
         plan::Plan,
         response::{PITCH_CHANNELS, YAW_ROLL_CHANNELS},
     },
@@ -133,7 +133,7 @@ impl Runs {
         }
         self.input.record(&mut parameters, &vehicle, &study)?;
         let record =
-            record(command, &self.machine, &profile, started, &outcome.answers.patches, parameters);
+            record(command, &self.machine, &profile, started, &outcome.patches, parameters);
         directory.write_record(&record)?;
         let summary = json!({
             "pitch": pitch_table(&outcome).json(),
@@ -184,13 +184,13 @@ pub fn write_traces(
 ) -> Result<(), Failure> {
     let plan = &outcome.plan;
     let mut curves = Curves::new();
-    for (case, response) in plan.pitch.iter().zip(&outcome.answers.pitch) {
+    for Run { case, response, .. } in &outcome.pitch {
         let run = plan.pitch_name(case);
         for (c, channel) in PITCH_CHANNELS.iter().enumerate() {
             curves.add(format!("{run}.{}", channel.adc), channel.unit, response.channel(c));
         }
     }
-    for (case, response) in plan.yaw_roll.iter().zip(&outcome.answers.yaw_roll) {
+    for Run { case, response, .. } in &outcome.yaw_roll {
         let run = plan.yaw_roll_name(case);
         // A point and condition has both loops: their bending coordinates are two.
         for (c, channel) in YAW_ROLL_CHANNELS.iter().enumerate() {

@@ -3,7 +3,7 @@
 use crate::report::{Cell, Heading, Table};
 use crate::study::short_period::agreement::Compared;
 use crate::study::short_period::linear::ChannelGains;
-use crate::study::short_period::outcome::Outcome;
+use crate::study::short_period::outcome::{Outcome, Run};
 use crate::study::short_period::plan::YawRollCase;
 
 /// Table of the pitch measures, for terminal, page and machines.
@@ -24,7 +24,7 @@ pub fn pitch_table(outcome: &Outcome) -> Table {
         Heading::new("ζ, attitude", "").digits(3),
         Heading::new("ζ, bending", "").digits(3),
     ]);
-    for (case, m) in outcome.plan.pitch.iter().zip(&outcome.results.pitch) {
+    for Run { case, measures: m, .. } in &outcome.pitch {
         let percent = |v: Option<f64>| number(v.map(|v| 100.0 * v));
         table.row([
             outcome.plan.points[case.point].name.as_str().into(),
@@ -63,7 +63,7 @@ pub fn yaw_roll_table(outcome: &Outcome) -> Table {
         Heading::new("ω, yaw", "rad/s").digits(3),
         Heading::new("ζ, yaw", "").digits(3),
     ]);
-    for (case, m) in outcome.plan.yaw_roll.iter().zip(&outcome.results.yaw_roll) {
+    for Run { case, measures: m, .. } in &outcome.yaw_roll {
         table.row([
             outcome.plan.points[case.point].name.as_str().into(),
             outcome.plan.conditions[case.condition].name.as_str().into(),

@@ -1,7 +1,8 @@
 //! P1 to P6: the pitch loop.
 
 use super::super::measure::PitchMeasures;
-use super::{FTC_GAIN_LOST, NORMAL, PitchRuns, TVC_FAST, TVC_SLOW, Worst, both};
+use super::super::outcome::Outcome;
+use super::{FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW, Worst, both};
 use crate::study::claim::{Claim, Evidence, Verdict};
 
 /// Overshoot up to which a response is satisfactory, as a fraction of the step (P1).
@@ -26,12 +27,25 @@ const FAILURE_SENTENCE: &str = "under two of the failure mode conditions (extrem
 const BENDING_SENTENCE: &str =
     "The generalised co-ordinate associated with the first bending mode attenuates rapidly";
 
-pub(super) fn p1(runs: &PitchRuns) -> Claim {
-    let overshoot = Worst::of(true, runs.quiet(NORMAL).map(|(c, m)| (m.overshoot, runs.point(c))));
-    let residual =
-        Worst::of(true, runs.disturbed(NORMAL).map(|(c, m)| (m.residual, runs.point(c))));
-    let reduced =
-        Worst::of(true, runs.quiet("reduced-schedule").map(|(c, m)| (m.overshoot, runs.point(c))));
+pub(super) fn p1(outcome: &Outcome) -> Claim {
+    let overshoot = Worst::of(
+        true,
+        outcome
+            .pitch_under(NORMAL, false)
+            .map(|r| (r.measures.overshoot, outcome.point(r.case.point))),
+    );
+    let residual = Worst::of(
+        true,
+        outcome
+            .pitch_under(NORMAL, true)
+            .map(|r| (r.measures.residual, outcome.point(r.case.point))),
+    );
+    let reduced = Worst::of(
+        true,
+        outcome
+            .pitch_under("reduced-schedule", false)
+            .map(|r| (r.measures.overshoot, outcome.point(r.case.point))),
+    );
     Claim {
         id: "P1",
         evidence: Evidence::OVERSHOOTS,
@@ -50,11 +64,12 @@ pub(super) fn p1(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p2(runs: &PitchRuns) -> Claim {
+pub(super) fn p2(outcome: &Outcome) -> Claim {
     let residual = |within: bool| {
-        runs.disturbed(FTC_GAIN_LOST)
-            .filter(move |(c, _)| (c.frozen.time_s <= P2_UNTIL_S) == within)
-            .map(|(c, m)| (m.residual, runs.point(c)))
+        outcome
+            .pitch_under(FTC_GAIN_LOST, true)
+            .filter(move |r| (r.case.frozen.time_s <= P2_UNTIL_S) == within)
+            .map(|r| (r.measures.residual, outcome.point(r.case.point)))
     };
     let claimed = Worst::of(false, residual(true));
     let later: Vec<String> = residual(false)
@@ -80,11 +95,12 @@ pub(super) fn p2(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p3(runs: &PitchRuns) -> Claim {
+pub(super) fn p3(outcome: &Outcome) -> Claim {
     let residual = |needed: bool| {
-        runs.disturbed(TVC_SLOW)
-            .filter(move |(_, m)| (m.tip_authority < AUTHORITY_NEEDED) == needed)
-            .map(|(c, m)| (m.residual, runs.point(c)))
+        outcome
+            .pitch_under(TVC_SLOW, true)
+            .filter(move |r| (r.measures.tip_authority < AUTHORITY_NEEDED) == needed)
+            .map(|r| (r.measures.residual, outcome.point(r.case.point)))
     };
     let needed = Worst::of(false, residual(true));
     let elsewhere = Worst::of(true, residual(false));
@@ -105,7 +121,7 @@ pub(super) fn p3(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p4(runs: &PitchRuns) -> Claim {
+pub(super) fn p4(outcome: &Outcome) -> Claim {
     // Growth: each window above the one before; the least of the two ratios counts.
     let growth = |m: &PitchMeasures| {
         let middle = m.bending_ratio(1)?;
@@ -113,9 +129,10 @@ pub(super) fn p4(runs: &PitchRuns) -> Claim {
         Some(middle.min(late / middle))
     };
     let grows = |tips: bool| {
-        runs.disturbed(TVC_FAST)
-            .filter(move |(c, _)| (c.settings.plane.ftc_gain != 0.0) == tips)
-            .map(|(c, m)| (growth(m), runs.point(c)))
+        outcome
+            .pitch_under(TVC_FAST, true)
+            .filter(move |r| (r.case.settings.plane.ftc_gain != 0.0) == tips)
+            .map(|r| (growth(&r.measures), outcome.point(r.case.point)))
     };
     let claimed = Worst::of(false, grows(false));
     // A ratio of exactly one is no growth.
@@ -140,15 +157,17 @@ pub(super) fn p4(runs: &PitchRuns) -> Claim {
     }
 }
 
-fn bending<'a>(runs: &PitchRuns<'a>, condition: &str, window: usize) -> Worst<'a> {
+fn bending<'a>(outcome: &'a Outcome, condition: &str, window: usize) -> Worst<'a> {
     Worst::of(
         true,
-        runs.disturbed(condition).map(|(c, m)| (m.bending_ratio(window), runs.point(c))),
+        outcome
+            .pitch_under(condition, true)
+            .map(|r| (r.measures.bending_ratio(window), outcome.point(r.case.point))),
     )
 }
 
-pub(super) fn p5(runs: &PitchRuns) -> Claim {
-    let (middle, late) = (bending(runs, NORMAL, 1), bending(runs, NORMAL, 2));
+pub(super) fn p5(outcome: &Outcome) -> Claim {
+    let (middle, late) = (bending(outcome, NORMAL, 1), bending(outcome, NORMAL, 2));
     Claim {
         id: "P5",
         evidence: Evidence::BENDING,
@@ -164,8 +183,8 @@ pub(super) fn p5(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p6(runs: &PitchRuns) -> Claim {
-    let middle = bending(runs, FTC_GAIN_LOST, 1);
+pub(super) fn p6(outcome: &Outcome) -> Claim {
+    let middle = bending(outcome, FTC_GAIN_LOST, 1);
     Claim {
         id: "P6",
         evidence: Evidence::BENDING,

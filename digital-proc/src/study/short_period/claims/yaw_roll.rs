@@ -1,17 +1,20 @@
 //! Y1 to Y4: the yaw and roll loops sharing the tips.
 
 use super::super::measure::{ROLL_BAND_DEG, YAW_BAND_DEG};
-use super::{Worst, YawRollRuns};
+use super::super::outcome::Outcome;
+use super::{NORMAL, Worst};
 use crate::study::claim::{Claim, Evidence};
 
 const GIVEN_TO_ROLL_S: f64 = 0.15;
 const CALLED_WITHIN_S: f64 = 0.6;
 const SHARE_AFTER: f64 = 0.20;
 
-pub(super) fn y1(runs: &YawRollRuns) -> Claim {
+pub(super) fn y1(outcome: &Outcome) -> Claim {
     let held = Worst::of(
         false,
-        runs.allocated(false).map(|(c, m)| (Some(m.tips_given_to_roll_s), runs.point(c))),
+        outcome
+            .yaw_roll_under(NORMAL, false)
+            .map(|r| (Some(r.measures.tips_given_to_roll_s), outcome.point(r.case.point))),
     );
     Claim {
         id: "Y1",
@@ -26,9 +29,13 @@ pub(super) fn y1(runs: &YawRollRuns) -> Claim {
     }
 }
 
-pub(super) fn y2(runs: &YawRollRuns) -> Claim {
-    let called =
-        Worst::of(true, runs.allocated(false).map(|(c, m)| (m.tvc_called_s, runs.point(c))));
+pub(super) fn y2(outcome: &Outcome) -> Claim {
+    let called = Worst::of(
+        true,
+        outcome
+            .yaw_roll_under(NORMAL, false)
+            .map(|r| (r.measures.tvc_called_s, outcome.point(r.case.point))),
+    );
     Claim {
         id: "Y2",
         evidence: Evidence::FIGURE_5,
@@ -42,9 +49,13 @@ pub(super) fn y2(runs: &YawRollRuns) -> Claim {
     }
 }
 
-pub(super) fn y3(runs: &YawRollRuns) -> Claim {
-    let share =
-        Worst::of(false, runs.allocated(false).map(|(c, m)| (m.yaw_share_after, runs.point(c))));
+pub(super) fn y3(outcome: &Outcome) -> Claim {
+    let share = Worst::of(
+        false,
+        outcome
+            .yaw_roll_under(NORMAL, false)
+            .map(|r| (r.measures.yaw_share_after, outcome.point(r.case.point))),
+    );
     Claim {
         id: "Y3",
         evidence: Evidence::FIGURE_5,
@@ -59,23 +70,27 @@ pub(super) fn y3(runs: &YawRollRuns) -> Claim {
     }
 }
 
-pub(super) fn y4(runs: &YawRollRuns) -> Claim {
-    let shared: Vec<_> = runs.allocated(false).collect();
+pub(super) fn y4(outcome: &Outcome) -> Claim {
+    let shared: Vec<_> = outcome.yaw_roll_under(NORMAL, false).collect();
     // Gain in settling time: shared minus dedicated, at each point with both runs.
     let gain = Worst::of(
         false,
-        runs.allocated(true).filter_map(|(dedicated, m)| {
-            let (_, other) = shared.iter().find(|(c, _)| c.point == dedicated.point)?;
-            let gained = match (other.yaw_settling_s, m.yaw_settling_s) {
-                (Some(shared), Some(dedicated)) => Some(shared - dedicated),
-                (None, Some(_)) => Some(f64::INFINITY),
-                (_, None) => None,
+        outcome.yaw_roll_under(NORMAL, true).filter_map(|dedicated| {
+            let other = shared.iter().find(|r| r.case.point == dedicated.case.point)?;
+            let gained = match [*other, dedicated].map(|r| r.measures.yaw_settling_s) {
+                [Some(shared), Some(dedicated)] => Some(shared - dedicated),
+                [None, Some(_)] => Some(f64::INFINITY),
+                [_, None] => None,
             };
-            Some((gained, runs.point(dedicated)))
+            Some((gained, outcome.point(dedicated.case.point)))
         }),
     );
-    let roll =
-        Worst::of(true, runs.allocated(true).map(|(c, m)| (m.roll_settling_s, runs.point(c))));
+    let roll = Worst::of(
+        true,
+        outcome
+            .yaw_roll_under(NORMAL, true)
+            .map(|r| (r.measures.roll_settling_s, outcome.point(r.case.point))),
+    );
     Claim {
         id: "Y4",
         evidence: Evidence::FIGURE_5,
