@@ -182,22 +182,19 @@ pub fn write_traces(
     directory: &RunDirectory,
     name: &str,
 ) -> Result<(), Failure> {
-    let plan = &outcome.plan;
     let mut curves = Curves::new();
-    for Run { case, response, .. } in &outcome.pitch {
-        let run = plan.pitch_name(case);
+    for Run { name: run, response, .. } in &outcome.pitch {
         for (c, channel) in PITCH_CHANNELS.iter().enumerate() {
             curves.add(format!("{run}.{}", channel.adc), channel.unit, response.channel(c));
         }
     }
-    for Run { case, response, .. } in &outcome.yaw_roll {
-        let run = plan.yaw_roll_name(case);
+    for Run { name: run, response, .. } in &outcome.yaw_roll {
         // A point and condition has both loops: their bending coordinates are two.
         for (c, channel) in YAW_ROLL_CHANNELS.iter().enumerate() {
             let name = format!("{run}.yaw-roll.{}", channel.adc);
             curves.add(name, channel.unit, response.channel(c));
         }
     }
-    let sample_ns = (plan.sample_s * 1e9).round() as i64;
+    let sample_ns = (outcome.plan.sample_s * 1e9).round() as i64;
     curves.write(directory, name, |row| Tick(sample_ns * row as i64))
 }

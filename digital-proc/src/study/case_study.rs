@@ -137,13 +137,13 @@ impl CaseResults {
             .short
             .pitch
             .iter()
-            .map(|r| json!({"run": plan.pitch_name(&r.case), "measures": r.measures}))
+            .map(|r| json!({"run": r.name, "measures": r.measures}))
             .collect();
         let yaw_roll: Vec<Value> = self
             .short
             .yaw_roll
             .iter()
-            .map(|r| json!({"run": plan.yaw_roll_name(&r.case), "measures": r.measures}))
+            .map(|r| json!({"run": r.name, "measures": r.measures}))
             .collect();
         let flights: Vec<Value> = self
             .long

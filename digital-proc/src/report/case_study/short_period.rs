@@ -142,7 +142,7 @@ fn worst_responses(numbering: &mut Numbering, outcome: &Outcome) -> (Markup, Dra
     let mut cells: Vec<(usize, usize, f64)> = outcome
         .pitch
         .iter()
-        .filter(|r| r.case.disturbed && plan.conditions[r.case.condition].name != NORMAL)
+        .filter(|r| r.case.disturbed && r.condition != NORMAL)
         .map(|Run { case, measures, .. }| {
             let residual = measures.residual.map_or(f64::INFINITY, |r| 100.0 * r);
             (case.condition, case.point, residual)

@@ -87,9 +87,9 @@ fn responses(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
             .pitch
             .iter()
             .filter(|r| r.case.point == point)
-            .map(|Run { case, response, .. }| {
+            .map(|Run { condition, case, response, .. }| {
                 let test = if case.disturbed { "" } else { ", step only" };
-                (format!("{}{test}", plan.conditions[case.condition].name), response)
+                (format!("{condition}{test}"), response)
             })
             .collect();
         for (n, group) in pitch.chunks(MOST_RUNS).enumerate() {
@@ -100,9 +100,8 @@ fn responses(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
             .yaw_roll
             .iter()
             .filter(|r| r.case.point == point)
-            .map(|Run { case, response, .. }| {
-                let name = &plan.conditions[case.condition].name;
-                (format!("{name}, tips {}", allocation(case)), response)
+            .map(|Run { condition, case, response, .. }| {
+                (format!("{condition}, tips {}", allocation(case)), response)
             })
             .collect();
         for (n, group) in yaw_roll.chunks(MOST_RUNS).enumerate() {

@@ -11,7 +11,7 @@ mod yaw_roll;
 
 pub use pitch::{BENDING_MIDDLE, OSCILLATORY, OVERSHOOT_P1, RESIDUAL_P1};
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, Run};
 use crate::study::claim::{Claim, Verdict};
 
 /// Name of the normal condition.
@@ -39,7 +39,7 @@ pub fn judge(outcome: &Outcome) -> Vec<Claim> {
     ]
 }
 
-/// The worst of some values with its point: greatest where the bound is an upper one.
+/// The worst value of some runs with its point: greatest where the bound is an upper one.
 struct Worst<'a> {
     upper: bool,
     found: Option<(f64, &'a str)>,
@@ -47,10 +47,15 @@ struct Worst<'a> {
 }
 
 impl<'a> Worst<'a> {
-    fn of(upper: bool, values: impl Iterator<Item = (Option<f64>, &'a str)>) -> Worst<'a> {
+    fn of<C: 'a, R: 'a, M: 'a>(
+        upper: bool,
+        runs: impl Iterator<Item = &'a Run<C, R, M>>,
+        value: impl Fn(&Run<C, R, M>) -> Option<f64>,
+    ) -> Worst<'a> {
         let mut worst = Worst { upper, found: None, missing: None };
-        for (value, point) in values {
-            match value.filter(|v| !v.is_nan()) {
+        for run in runs {
+            let point = run.point.as_str();
+            match value(run).filter(|v| !v.is_nan()) {
                 None => worst.missing = Some(point),
                 Some(value) => {
                     let worse =

@@ -12,6 +12,12 @@ use super::response::{PitchResponse, YawRollResponse};
 /// One run: what was asked, what the machine answered, and what that measures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run<C, R, M> {
+    /// Unique within the study.
+    pub name: String,
+    /// Name of its point.
+    pub point: String,
+    /// Name of its condition.
+    pub condition: String,
     /// What was asked.
     pub case: C,
     /// The answer.
@@ -45,15 +51,21 @@ impl Outcome {
     /// Measures the answers, which stand in the plan's order.
     pub fn new(plan: Plan, answers: Answers) -> Outcome {
         let agreement = agreement::compare(&plan, &answers.pitch);
-        let pitch = plan.pitch.iter().zip(answers.pitch).map(|(&case, response)| Run {
-            measures: PitchMeasures::new(&plan, &case, &response),
-            case,
-            response,
+        let named = |point: usize, condition: usize, test: &str| {
+            let (point, condition) = (&plan.points[point].name, &plan.conditions[condition].name);
+            (format!("{point}.{condition}{test}"), point.clone(), condition.clone())
+        };
+        let pitch = plan.pitch.iter().zip(answers.pitch).map(|(&case, response)| {
+            let test = if case.disturbed { "" } else { ".undisturbed" };
+            let (name, point, condition) = named(case.point, case.condition, test);
+            let measures = PitchMeasures::new(&plan, &case, &response);
+            Run { name, point, condition, case, response, measures }
         });
-        let yaw_roll = plan.yaw_roll.iter().zip(answers.yaw_roll).map(|(&case, response)| Run {
-            measures: YawRollMeasures::new(&case, &response),
-            case,
-            response,
+        let yaw_roll = plan.yaw_roll.iter().zip(answers.yaw_roll).map(|(&case, response)| {
+            let test = if case.settings.dedicated { ".dedicated" } else { "" };
+            let (name, point, condition) = named(case.point, case.condition, test);
+            let measures = YawRollMeasures::new(&case, &response);
+            Run { name, point, condition, case, response, measures }
         });
         Outcome {
             pitch: pitch.collect(),
@@ -72,9 +84,7 @@ impl Outcome {
 
     /// Pitch runs under a condition, with disturbances or without.
     pub fn pitch_under(&self, condition: &str, disturbed: bool) -> impl Iterator<Item = &PitchRun> {
-        let index = self.plan.conditions.iter().position(|c| c.name == condition);
-        let asked = move |c: &PitchCase| Some(c.condition) == index && c.disturbed == disturbed;
-        self.pitch.iter().filter(move |r| asked(&r.case))
+        self.pitch.iter().filter(move |r| r.condition == condition && r.case.disturbed == disturbed)
     }
 
     /// Yaw–roll runs under a condition, with the tips dedicated to roll or shared.
@@ -83,47 +93,22 @@ impl Outcome {
         condition: &str,
         dedicated: bool,
     ) -> impl Iterator<Item = &YawRollRun> {
-        let index = self.plan.conditions.iter().position(|c| c.name == condition);
-        let asked =
-            move |c: &YawRollCase| Some(c.condition) == index && c.settings.dedicated == dedicated;
-        self.yaw_roll.iter().filter(move |r| asked(&r.case))
-    }
-
-    /// Name of a point.
-    pub fn point(&self, index: usize) -> &str {
-        &self.plan.points[index].name
+        self.yaw_roll
+            .iter()
+            .filter(move |r| r.condition == condition && r.case.settings.dedicated == dedicated)
     }
 
     /// Remarks of the machine in words, run by run.
     pub fn remarks(&self) -> Vec<String> {
-        let plan = &self.plan;
         self.remarks
             .iter()
             .map(|remark| {
                 let name = match remark.control_loop {
-                    ControlLoop::Pitch => plan.pitch_name(&plan.pitch[remark.run]),
-                    ControlLoop::YawRoll => plan.yaw_roll_name(&plan.yaw_roll[remark.run]),
+                    ControlLoop::Pitch => &self.pitch[remark.run].name,
+                    ControlLoop::YawRoll => &self.yaw_roll[remark.run].name,
                 };
                 format!("{name}: {}", remark.what)
             })
             .collect()
-    }
-}
-
-impl Plan {
-    /// Name of a pitch run, unique within the plan.
-    pub fn pitch_name(&self, case: &PitchCase) -> String {
-        let test = if case.disturbed { "" } else { ".undisturbed" };
-        format!("{}{test}", self.cell(case.point, case.condition))
-    }
-
-    /// Name of a yaw–roll run, unique within the plan.
-    pub fn yaw_roll_name(&self, case: &YawRollCase) -> String {
-        let tips = if case.settings.dedicated { ".dedicated" } else { "" };
-        format!("{}{tips}", self.cell(case.point, case.condition))
-    }
-
-    fn cell(&self, point: usize, condition: usize) -> String {
-        format!("{}.{}", self.points[point].name, self.conditions[condition].name)
     }
 }

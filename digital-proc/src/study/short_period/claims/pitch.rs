@@ -1,7 +1,6 @@
 //! P1 to P6: the pitch loop.
 
-use super::super::measure::PitchMeasures;
-use super::super::outcome::Outcome;
+use super::super::outcome::{Outcome, PitchRun};
 use super::{FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW, Worst, both};
 use crate::study::claim::{Claim, Evidence, Verdict};
 
@@ -28,24 +27,10 @@ const BENDING_SENTENCE: &str =
     "The generalised co-ordinate associated with the first bending mode attenuates rapidly";
 
 pub(super) fn p1(outcome: &Outcome) -> Claim {
-    let overshoot = Worst::of(
-        true,
-        outcome
-            .pitch_under(NORMAL, false)
-            .map(|r| (r.measures.overshoot, outcome.point(r.case.point))),
-    );
-    let residual = Worst::of(
-        true,
-        outcome
-            .pitch_under(NORMAL, true)
-            .map(|r| (r.measures.residual, outcome.point(r.case.point))),
-    );
-    let reduced = Worst::of(
-        true,
-        outcome
-            .pitch_under("reduced-schedule", false)
-            .map(|r| (r.measures.overshoot, outcome.point(r.case.point))),
-    );
+    let overshoot = Worst::of(true, outcome.pitch_under(NORMAL, false), |r| r.measures.overshoot);
+    let residual = Worst::of(true, outcome.pitch_under(NORMAL, true), |r| r.measures.residual);
+    let reduced = outcome.pitch_under("reduced-schedule", false);
+    let reduced = Worst::of(true, reduced, |r| r.measures.overshoot);
     Claim {
         id: "P1",
         evidence: Evidence::OVERSHOOTS,
@@ -65,16 +50,15 @@ pub(super) fn p1(outcome: &Outcome) -> Claim {
 }
 
 pub(super) fn p2(outcome: &Outcome) -> Claim {
-    let residual = |within: bool| {
+    let runs = |within: bool| {
         outcome
             .pitch_under(FTC_GAIN_LOST, true)
             .filter(move |r| (r.case.frozen.time_s <= P2_UNTIL_S) == within)
-            .map(|r| (r.measures.residual, outcome.point(r.case.point)))
     };
-    let claimed = Worst::of(false, residual(true));
-    let later: Vec<String> = residual(false)
-        .filter(|(r, _)| r.is_some_and(|r| r < OSCILLATORY))
-        .map(|(_, point)| point.to_owned())
+    let claimed = Worst::of(false, runs(true), |r| r.measures.residual);
+    let later: Vec<&str> = runs(false)
+        .filter(|r| r.measures.residual.is_some_and(|v| v < OSCILLATORY))
+        .map(|r| r.point.as_str())
         .collect();
     Claim {
         id: "P2",
@@ -96,14 +80,13 @@ pub(super) fn p2(outcome: &Outcome) -> Claim {
 }
 
 pub(super) fn p3(outcome: &Outcome) -> Claim {
-    let residual = |needed: bool| {
-        outcome
+    let residual = |upper: bool, needed: bool| {
+        let runs = outcome
             .pitch_under(TVC_SLOW, true)
-            .filter(move |r| (r.measures.tip_authority < AUTHORITY_NEEDED) == needed)
-            .map(|r| (r.measures.residual, outcome.point(r.case.point)))
+            .filter(|r| (r.measures.tip_authority < AUTHORITY_NEEDED) == needed);
+        Worst::of(upper, runs, |r| r.measures.residual)
     };
-    let needed = Worst::of(false, residual(true));
-    let elsewhere = Worst::of(true, residual(false));
+    let (needed, elsewhere) = (residual(false, true), residual(true, false));
     Claim {
         id: "P3",
         evidence: Evidence::FIGURE_4,
@@ -123,23 +106,22 @@ pub(super) fn p3(outcome: &Outcome) -> Claim {
 
 pub(super) fn p4(outcome: &Outcome) -> Claim {
     // Growth: each window above the one before; the least of the two ratios counts.
-    let growth = |m: &PitchMeasures| {
-        let middle = m.bending_ratio(1)?;
-        let late = m.bending_ratio(2)?;
+    let growth = |r: &PitchRun| {
+        let middle = r.measures.bending_ratio(1)?;
+        let late = r.measures.bending_ratio(2)?;
         Some(middle.min(late / middle))
     };
-    let grows = |tips: bool| {
+    let runs = |tips: bool| {
         outcome
             .pitch_under(TVC_FAST, true)
             .filter(move |r| (r.case.settings.plane.ftc_gain != 0.0) == tips)
-            .map(|r| (growth(&r.measures), outcome.point(r.case.point)))
     };
-    let claimed = Worst::of(false, grows(false));
+    let claimed = Worst::of(false, runs(false), growth);
     // A ratio of exactly one is no growth.
     let verdict = claimed.against(1.0_f64.next_up());
-    let later: Vec<String> = grows(true)
-        .filter(|(g, _)| g.is_some_and(|g| g > 1.0))
-        .map(|(_, point)| point.to_owned())
+    let later: Vec<&str> = runs(true)
+        .filter(|r| growth(r).is_some_and(|g| g > 1.0))
+        .map(|r| r.point.as_str())
         .collect();
     Claim {
         id: "P4",
@@ -158,12 +140,8 @@ pub(super) fn p4(outcome: &Outcome) -> Claim {
 }
 
 fn bending<'a>(outcome: &'a Outcome, condition: &str, window: usize) -> Worst<'a> {
-    Worst::of(
-        true,
-        outcome
-            .pitch_under(condition, true)
-            .map(|r| (r.measures.bending_ratio(window), outcome.point(r.case.point))),
-    )
+    let runs = outcome.pitch_under(condition, true);
+    Worst::of(true, runs, |r| r.measures.bending_ratio(window))
 }
 
 pub(super) fn p5(outcome: &Outcome) -> Claim {

@@ -1,7 +1,7 @@
 //! Y1 to Y4: the yaw and roll loops sharing the tips.
 
 use super::super::measure::{ROLL_BAND_DEG, YAW_BAND_DEG};
-use super::super::outcome::Outcome;
+use super::super::outcome::{Outcome, YawRollRun};
 use super::{NORMAL, Worst};
 use crate::study::claim::{Claim, Evidence};
 
@@ -10,12 +10,9 @@ const CALLED_WITHIN_S: f64 = 0.6;
 const SHARE_AFTER: f64 = 0.20;
 
 pub(super) fn y1(outcome: &Outcome) -> Claim {
-    let held = Worst::of(
-        false,
-        outcome
-            .yaw_roll_under(NORMAL, false)
-            .map(|r| (Some(r.measures.tips_given_to_roll_s), outcome.point(r.case.point))),
-    );
+    let held = Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| {
+        Some(r.measures.tips_given_to_roll_s)
+    });
     Claim {
         id: "Y1",
         evidence: Evidence::FIGURE_5,
@@ -30,12 +27,8 @@ pub(super) fn y1(outcome: &Outcome) -> Claim {
 }
 
 pub(super) fn y2(outcome: &Outcome) -> Claim {
-    let called = Worst::of(
-        true,
-        outcome
-            .yaw_roll_under(NORMAL, false)
-            .map(|r| (r.measures.tvc_called_s, outcome.point(r.case.point))),
-    );
+    let called =
+        Worst::of(true, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.tvc_called_s);
     Claim {
         id: "Y2",
         evidence: Evidence::FIGURE_5,
@@ -50,12 +43,8 @@ pub(super) fn y2(outcome: &Outcome) -> Claim {
 }
 
 pub(super) fn y3(outcome: &Outcome) -> Claim {
-    let share = Worst::of(
-        false,
-        outcome
-            .yaw_roll_under(NORMAL, false)
-            .map(|r| (r.measures.yaw_share_after, outcome.point(r.case.point))),
-    );
+    let share =
+        Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.yaw_share_after);
     Claim {
         id: "Y3",
         evidence: Evidence::FIGURE_5,
@@ -71,26 +60,20 @@ pub(super) fn y3(outcome: &Outcome) -> Claim {
 }
 
 pub(super) fn y4(outcome: &Outcome) -> Claim {
-    let shared: Vec<_> = outcome.yaw_roll_under(NORMAL, false).collect();
+    let shared = |r: &YawRollRun| {
+        outcome.yaw_roll_under(NORMAL, false).find(|shared| shared.point == r.point)
+    };
+    let both = outcome.yaw_roll_under(NORMAL, true).filter(|r| shared(r).is_some());
     // Gain in settling time: shared minus dedicated, at each point with both runs.
-    let gain = Worst::of(
-        false,
-        outcome.yaw_roll_under(NORMAL, true).filter_map(|dedicated| {
-            let other = shared.iter().find(|r| r.case.point == dedicated.case.point)?;
-            let gained = match [*other, dedicated].map(|r| r.measures.yaw_settling_s) {
-                [Some(shared), Some(dedicated)] => Some(shared - dedicated),
-                [None, Some(_)] => Some(f64::INFINITY),
-                [_, None] => None,
-            };
-            Some((gained, outcome.point(dedicated.case.point)))
-        }),
-    );
-    let roll = Worst::of(
-        true,
-        outcome
-            .yaw_roll_under(NORMAL, true)
-            .map(|r| (r.measures.roll_settling_s, outcome.point(r.case.point))),
-    );
+    let gain = Worst::of(false, both, |dedicated| {
+        match [shared(dedicated)?, dedicated].map(|r| r.measures.yaw_settling_s) {
+            [Some(shared), Some(dedicated)] => Some(shared - dedicated),
+            [None, Some(_)] => Some(f64::INFINITY),
+            [_, None] => None,
+        }
+    });
+    let roll =
+        Worst::of(true, outcome.yaw_roll_under(NORMAL, true), |r| r.measures.roll_settling_s);
     Claim {
         id: "Y4",
         evidence: Evidence::FIGURE_5,
