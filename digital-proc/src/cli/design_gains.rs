@@ -79,7 +79,7 @@ impl DesignGains {
         let vehicle = self.study.vehicle()?;
         let (points, lacking) = evaluate::points(&vehicle).map_err(Failure::input)?;
         for reason in lacking {
-            note!("not judged there: {reason}");
+            note!("not judged: {reason}");
         }
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let mut run =
