@@ -1,9 +1,8 @@
-//! Trajectory points of the short-period study, with their coefficients frozen.
+//! Points of the nominal flight, with their coefficients frozen.
 //!
 //! The coefficients come from the no-wind point-mass flight: the translational
 //! equations with θ equal to the stored programme and no control force, by RK4
-//! at 0.02 s from lift-off. Nothing is typed in but the times. The points are
-//! those the paper lists (§4.1) plus maximum dynamic pressure.
+//! at 0.02 s from lift-off.
 
 use crate::airframe::AirframeCoefficients;
 use crate::flight_mode::ControlSettings;
@@ -18,22 +17,6 @@ pub const STEP_S: f64 = 0.02;
 const STEPS_PER_SECOND: f64 = 50.0;
 /// Longest point-mass flight offered, s.
 const LONGEST_S: f64 = 1_000.0;
-
-/// The points of the study: name and flight time, s.
-pub const POINTS: [(&str, f64); 12] = [
-    ("vertical-rise", 2.0),
-    ("pitch-initiation", 4.0),
-    ("max-pitch-rate", 7.5),
-    ("ftc-switch-in", 17.0),
-    ("transonic", 18.3),
-    ("gain-20", 20.0),
-    ("gain-25", 25.0),
-    ("max-q", 32.5),
-    ("gain-34", 34.0),
-    ("gain-40", 40.0),
-    ("gain-45", 45.0),
-    ("burn-out", 47.0),
-];
 
 /// A frozen trajectory point.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,11 +35,6 @@ pub struct SlicePoint {
     pub settings: ControlSettings,
     /// First bending mode.
     pub bending: BendingMode,
-}
-
-/// All points of the study, in order of time, from one flight.
-pub fn standard_points(vehicle: &Vehicle) -> Result<Vec<SlicePoint>, FlightError> {
-    points(vehicle, &POINTS)
 }
 
 /// Points at given times (s, any order, 0 to 1000), from one flight.
@@ -129,20 +107,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_points_are_where_their_names_say() {
-        let vehicle = Vehicle::shipped().unwrap();
-        let points = standard_points(&vehicle).unwrap();
-        assert_eq!(points.len(), POINTS.len());
-        let at = |name: &str| points.iter().find(|p| p.name == name).unwrap();
-        // The data set calls 18.3 s Mach 1.05: half a unit of its last digit.
-        assert!((at("transonic").airframe.mach - 1.05).abs() <= 0.005);
-        let peak = at("max-q").airframe.dynamic_pressure_pa;
-        assert!(points.iter().all(|p| p.airframe.dynamic_pressure_pa <= peak));
-        assert_eq!(at("ftc-switch-in").settings.gains.ftc_gain, 9.5);
-        assert!(points.iter().all(|p| p.airframe.edges.is_empty() && p.bending.edges.is_empty()));
-    }
-
-    #[test]
     fn order_and_company_do_not_change_a_point() {
         let vehicle = Vehicle::shipped().unwrap();
         let alone = points(&vehicle, &[("x", 18.3)]).unwrap();
@@ -152,84 +116,5 @@ mod tests {
         assert!(among[2].trajectory.altitude_m > alone[0].trajectory.altitude_m);
         assert!(points(&vehicle, &[("x", f64::NAN)]).is_err());
         assert!(points(&vehicle, &[("x", -1.0)]).is_err());
-    }
-
-    /// Natural frequency and damping of the slowest oscillation of the pitch
-    /// loop closed by the TVC alone, inside its limits and past its dead zone;
-    /// states `[ż, θ, θ̇, F_T, g, ġ, η, η̇]`, paper eqs. (20)–(25).
-    fn tvc_only_root(vehicle: &Vehicle, point: &SlicePoint) -> (f64, f64) {
-        let (k, gains, mode) = (&point.airframe, &point.settings.gains, &point.bending);
-        let data = vehicle.data();
-        let (m, i, v) = (k.mass_kg, k.pitch_inertia_kgm2, k.airspeed_mps);
-        let (tau, wn) = (data.tvc.time_constant_s, data.gyro.natural_frequency_radps);
-        let (lift, turn) = (k.normal_force_slope_nprad, k.moment_slope_nmprad);
-        let axial = k.thrust_n - k.axial_force_n;
-        let gain = gains.tvc_gain_nprad / tau;
-        let wb = mode.natural_frequency_radps;
-        let mut a = nalgebra::SMatrix::<f64, 8, 8>::zeros();
-        let mut row = |r: usize, entries: &[(usize, f64)]| {
-            for &(c, value) in entries {
-                a[(r, c)] = value;
-            }
-        };
-        row(0, &[(0, -lift / (m * v)), (1, -(axial + lift) / m), (3, 1.0 / m)]);
-        row(1, &[(2, 1.0)]);
-        row(
-            2,
-            &[
-                (0, turn / (i * v)),
-                (1, turn / i),
-                (2, k.rate_damping_nms / i),
-                (3, k.tvc_arm_m / i),
-            ],
-        );
-        row(
-            3,
-            &[
-                (1, -gain),
-                (3, -1.0 / tau),
-                (4, -gain * gains.tvc_lead_s),
-                (6, -gain * mode.imu_slope_pm),
-            ],
-        );
-        row(4, &[(5, 1.0)]);
-        row(
-            5,
-            &[
-                (2, wn * wn),
-                (4, -wn * wn),
-                (5, -2.0 * data.gyro.damping_ratio * wn),
-                (7, wn * wn * mode.gyro_slope_pm),
-            ],
-        );
-        row(6, &[(7, 1.0)]);
-        row(
-            7,
-            &[
-                (3, mode.displacement_at_control / mode.generalised_mass_kg),
-                (6, -wb * wb),
-                (7, -2.0 * mode.damping_ratio * wb),
-            ],
-        );
-        a.complex_eigenvalues()
-            .iter()
-            .filter(|s| s.im > 0.0)
-            .map(|s| (s.norm(), -s.re / s.norm()))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .unwrap()
-    }
-
-    #[test]
-    fn the_tvc_alone_is_barely_damped_at_20_s_and_at_max_q() {
-        let vehicle = Vehicle::shipped().unwrap();
-        let points = standard_points(&vehicle).unwrap();
-        // Roots of an independent linearisation of the same data, printed to
-        // 0.01 rad/s and 0.001 of damping: one unit of the last digit.
-        for (name, frequency, damping) in [("gain-20", 2.91, 0.084), ("max-q", 3.15, 0.085)] {
-            let point = points.iter().find(|p| p.name == name).unwrap();
-            let (w, zeta) = tvc_only_root(&vehicle, point);
-            assert!((w - frequency).abs() <= 0.01, "{name}: {w} rad/s");
-            assert!((zeta - damping).abs() <= 0.001, "{name}: {zeta}");
-        }
     }
 }

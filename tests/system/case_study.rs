@@ -15,7 +15,7 @@ use digital_proc::{
             bench::Occurrence,
             claims::{self, FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW},
             machine::{self, Answers, Patches},
-            measure::Results,
+            outcome::Outcome,
             plan::Plan,
             reference,
             response::Response,
@@ -46,8 +46,7 @@ fn plan(conditions: &[&str]) -> Plan {
 }
 
 fn judged(plan: &Plan, patches: &Patches) -> Vec<Claim> {
-    let answers = answers(plan, patches);
-    claims::judge(plan, &Results::new(plan, &answers.pitch, &answers.yaw_roll))
+    claims::judge(&Outcome::new(plan.clone(), answers(plan, patches)))
 }
 
 fn failing(claims: &[Claim]) -> Vec<&'static str> {
@@ -60,7 +59,7 @@ fn every_short_period_claim_holds_on_the_machine() {
     let claims = judged(&plan, &Patches::shipped());
     assert_eq!(claims.len(), 10);
     for claim in &claims {
-        assert!(claim.holds(), "{claim}");
+        assert!(claim.holds(), "{claim:?}");
     }
 }
 
@@ -77,20 +76,20 @@ fn the_machine_follows_the_second_formulation_run_by_run() {
     let plan = plan(&[NORMAL, FTC_GAIN_LOST]);
     let answers = answers(&plan, &Patches::shipped());
     assert!(answers.remarks.is_empty(), "{:?}", answers.remarks);
-    let (pitch, yaw_roll) = reference::answer(&plan, 5e-4);
+    let expected = reference::answer(&plan, 5e-4);
     let mut greatest = (0.0, String::new());
     let mut compare = |what: String, difference: f64| {
         if difference > greatest.0 {
             greatest = (difference, what);
         }
     };
-    for (n, (a, b)) in answers.pitch.iter().zip(&pitch).enumerate() {
+    for (n, (a, b)) in answers.pitch.iter().zip(&expected.pitch).enumerate() {
         assert_eq!(a.len(), b.len());
         for c in 0..10 {
             compare(format!("pitch run {n}, channel {c}"), worst(a, b, c));
         }
     }
-    for (n, (a, b)) in answers.yaw_roll.iter().zip(&yaw_roll).enumerate() {
+    for (n, (a, b)) in answers.yaw_roll.iter().zip(&expected.yaw_roll).enumerate() {
         assert_eq!(a.len(), b.len());
         for c in 0..12 {
             compare(format!("yaw-roll run {n}, channel {c}"), worst(a, b, c));

@@ -4,12 +4,13 @@ use analog_proc::serve::serve;
 use digital_proc::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
+    slice,
     study::{
         gain_design::{
             bench::PitchBench,
             criteria::Criteria,
             design::{EFFORT, design},
-            evaluate::{accepted, evaluate, worst},
+            evaluate::{accepted, evaluate, points, worst},
             merge::merge,
             search::Effort,
         },
@@ -40,9 +41,11 @@ fn with_console<T>(work: impl FnOnce(&mut Console<'_>, &Profile) -> T) -> T {
 #[test]
 fn re_evaluation_finds_what_the_flights_do_not() {
     let vehicle = Vehicle::shipped().unwrap();
+    let (points, lacking) = points(&vehicle).unwrap();
+    assert_eq!((points.len(), lacking.len()), (13, 0));
     let (reduced, designed) = with_console(|console, profile| {
         let bench = PitchBench::load(console, profile).unwrap();
-        let mut of = |data| evaluate(console, &bench, &vehicle, data).unwrap();
+        let mut of = |data| evaluate(console, &bench, &vehicle, &points, data).unwrap();
         (of(&vehicle.data().gains_reduced), of(&vehicle.data().gains.schedule()))
     });
     let beyond: Vec<&str> =
@@ -86,6 +89,37 @@ fn the_search_betters_every_interval_and_fewer_switchings_fly() {
         assert!(level.schedule.switch_time_s.contains(&17.0));
     }
     assert!(merging.levels[1..].iter().all(|l| l.accepted));
+}
+
+/// With three times the drag the stage meets its greatest dynamic pressure a second later, and
+/// that is where both commands judge `max-q`.
+#[test]
+fn design_and_sensitivity_judge_the_points_of_the_vehicle_in_use() {
+    let shipped = Vehicle::shipped().unwrap();
+    let mut data = shipped.data().clone();
+    data.aero.axial.iter_mut().for_each(|c| *c *= 3.0);
+    let vehicle = Vehicle::from_data(data).unwrap();
+    let text = "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"Tips\"\n\
+                quantity = \"tip-force-slope\"\nlow = 0.8\nhigh = 1.2\n";
+    let dispersions = Dispersions::from_toml("max-q", text).unwrap();
+    let (judged, dispersed) = with_console(|console, profile| {
+        let bench = PitchBench::load(console, profile).unwrap();
+        let (points, _) = points(&vehicle).unwrap();
+        let schedule = vehicle.data().gains.schedule();
+        (
+            evaluate(console, &bench, &vehicle, &points, &schedule).unwrap(),
+            run(console, &bench, &vehicle, &dispersions, |_| {}).unwrap(),
+        )
+    });
+    let judged_s = judged.iter().find(|p| p.point == "max-q").unwrap().time_s;
+    assert_eq!(judged_s, dispersed[0].time_s);
+    let q = |time_s: f64| {
+        slice::points(&vehicle, &[("", time_s)]).unwrap()[0].airframe.dynamic_pressure_pa
+    };
+    assert!(q(judged_s) > q(judged_s - 0.1) && q(judged_s) > q(judged_s + 0.1), "{judged_s}");
+    let (usual, _) = points(&shipped).unwrap();
+    let usual_s = usual.iter().find(|p| p.name == "max-q").unwrap().time_s;
+    assert!(judged_s > usual_s + 1.0, "{judged_s} {usual_s}");
 }
 
 #[test]

@@ -8,11 +8,7 @@ use super::{
 use crate::{
     console::Console,
     progress::Progress,
-    report::{
-        case_study::{case_study_report, report_claims},
-        claims_text,
-        long_period::fuel_words,
-    },
+    report::{case_study::case_study_report, claims_text, long_period::fuel_words},
     run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
     study::{
         case_study::{self, CaseFault, CasePlan, CaseResults},
@@ -74,7 +70,7 @@ impl CaseStudy {
             None => Some(Dispersions::shipped().map_err(Failure::input)?),
         };
         if let Some(dispersions) = &dispersions {
-            dispersions.check(&vehicle).map_err(Failure::input)?;
+            dispersions.locate(&vehicle).map_err(Failure::input)?;
         }
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let plan = CasePlan {
@@ -102,7 +98,7 @@ impl CaseStudy {
         let mut parameters = toml::Table::new();
         self.input.record(&mut parameters, &vehicle, &study)?;
         parameters.insert("failure-file".to_owned(), failures.file.clone().into());
-        let mut patches = results.short.answers.patches.clone();
+        let mut patches = results.short.patches.clone();
         patches.push(stage_patch);
         let record = record("case-study", &self.machine, &profile, started, &patches, parameters);
         directory.write_record(&record)?;
@@ -137,8 +133,7 @@ impl From<CaseFault> for Failure {
 
 fn print_claims(results: &CaseResults) {
     let claims = results.claims();
-    let judged = claims_text(&report_claims(&claims, |_| false));
-    say!("{}", judged.trim_end());
+    say!("{}", claims_text(&claims).trim_end());
     let noted: Vec<_> = claims.iter().filter_map(|c| Some((c.id, c.remark.as_ref()?))).collect();
     if !noted.is_empty() {
         say!("\nNoted beside:");

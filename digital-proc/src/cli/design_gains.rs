@@ -14,7 +14,7 @@ use crate::{
             bench::PitchBench,
             criteria::Criteria,
             design::{Design, DesignFault, EFFORT, design},
-            evaluate::{PointQuality, evaluate, worst},
+            evaluate::{self, PointQuality, evaluate, worst},
             merge::{MergeFault, Merging, merge},
             schedule::as_toml,
             search::Effort,
@@ -77,6 +77,10 @@ impl DesignGains {
             return Err(Failure::input("--evaluations must be at least 1"));
         }
         let vehicle = self.study.vehicle()?;
+        let (points, lacking) = evaluate::points(&vehicle).map_err(Failure::input)?;
+        for reason in lacking {
+            note!("not judged: {reason}");
+        }
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let mut run =
             StudyRun::begin("design-gains", &self.study, &self.machine, &profile, &vehicle)?;
@@ -115,10 +119,10 @@ impl DesignGains {
         let re_evaluated = merging
             .levels
             .iter()
-            .map(|level| evaluate(&mut console, &bench, &vehicle, &level.schedule))
+            .map(|level| evaluate(&mut console, &bench, &vehicle, &points, &level.schedule))
             .collect::<Result<Vec<_>, _>>()?;
         let shipped_reduced =
-            evaluate(&mut console, &bench, &vehicle, &vehicle.data().gains_reduced)?;
+            evaluate(&mut console, &bench, &vehicle, &points, &vehicle.data().gains_reduced)?;
         console.bye()?;
         drop(machine);
         let mut designed =

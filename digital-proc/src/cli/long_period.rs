@@ -8,7 +8,7 @@ use crate::{
     console::Console,
     progress::Progress,
     report::{
-        self,
+        claims_text,
         long_period::{fuel_table, fuel_words, load_table, long_period_sections, mode_table},
     },
     study::{
@@ -70,16 +70,12 @@ impl LongPeriod {
         drop(machine);
 
         let claims = judge(&results);
-        let shown: Vec<report::Claim> = claims
-            .iter()
-            .map(|claim| report::Claim::of(claim, Some("#modes".to_owned())))
-            .collect();
         let outcome = Outcome { claims: &claims, results: &results };
         let page = record.finish(
             &outcome,
             "Long-period study",
             "Modes of operation flown to burn-out: control dynamics on the analog processor, trajectory on the digital one.",
-            long_period_sections(&results, report::claims_table(&shown)),
+            long_period_sections(&results, &claims),
         )?;
         if self.machine.json {
             say!("{}", serde_json::to_string_pretty(&outcome).map_err(Failure::input)?);
@@ -91,7 +87,7 @@ impl LongPeriod {
             );
             say!("Side-force fluid over the same\n{}", fuel_table(&results).text());
             say!("{}.\n", fuel_words(&results));
-            say!("{}", report::claims_text(&shown));
+            say!("{}", claims_text(&claims));
             for claim in claims.iter().filter(|c| c.verdict == Verdict::Holds) {
                 if let Some(remark) = &claim.remark {
                     say!("{}: {remark}", claim.id);

@@ -40,7 +40,7 @@ impl Sensitivity {
             None => Dispersions::shipped(),
         }
         .map_err(Failure::input)?;
-        dispersions.check(&vehicle).map_err(Failure::input)?;
+        dispersions.locate(&vehicle).map_err(Failure::input)?;
         let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
         let mut record =
             StudyRun::begin("sensitivity", &self.study, &self.machine, &profile, &vehicle)?;

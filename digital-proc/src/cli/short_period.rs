@@ -14,9 +14,9 @@ use crate::{
     study::short_period::{
         claims::NORMAL,
         machine::{self, Patches},
-        outcome::Outcome,
+        outcome::{Outcome, Run},
         plan::Plan,
-        response::{PITCH_CHANNELS, PITCH_UNITS, YAW_ROLL_CHANNELS, YAW_ROLL_UNITS},
+        response::{PITCH_CHANNELS, YAW_ROLL_CHANNELS},
     },
 };
 use interface::{Tick, profile::Profile, say};
@@ -133,7 +133,7 @@ impl Runs {
         }
         self.input.record(&mut parameters, &vehicle, &study)?;
         let record =
-            record(command, &self.machine, &profile, started, &outcome.answers.patches, parameters);
+            record(command, &self.machine, &profile, started, &outcome.patches, parameters);
         directory.write_record(&record)?;
         let summary = json!({
             "pitch": pitch_table(&outcome).json(),
@@ -182,22 +182,19 @@ pub fn write_traces(
     directory: &RunDirectory,
     name: &str,
 ) -> Result<(), Failure> {
-    let plan = &outcome.plan;
     let mut curves = Curves::new();
-    for (case, response) in plan.pitch.iter().zip(&outcome.answers.pitch) {
-        let run = plan.pitch_name(case);
-        for (c, (channel, unit)) in PITCH_CHANNELS.iter().zip(PITCH_UNITS).enumerate() {
-            curves.add(format!("{run}.{channel}"), unit, response.channel(c));
+    for Run { name: run, response, .. } in &outcome.pitch {
+        for (c, channel) in PITCH_CHANNELS.iter().enumerate() {
+            curves.add(format!("{run}.{}", channel.adc), channel.unit, response.channel(c));
         }
     }
-    for (case, response) in plan.yaw_roll.iter().zip(&outcome.answers.yaw_roll) {
-        let run = plan.yaw_roll_name(case);
+    for Run { name: run, response, .. } in &outcome.yaw_roll {
         // A point and condition has both loops: their bending coordinates are two.
-        for (c, (channel, unit)) in YAW_ROLL_CHANNELS.iter().zip(YAW_ROLL_UNITS).enumerate() {
-            let name = format!("{run}.yaw-roll.{channel}");
-            curves.add(name, unit, response.channel(c));
+        for (c, channel) in YAW_ROLL_CHANNELS.iter().enumerate() {
+            let name = format!("{run}.yaw-roll.{}", channel.adc);
+            curves.add(name, channel.unit, response.channel(c));
         }
     }
-    let sample_ns = (plan.sample_s * 1e9).round() as i64;
+    let sample_ns = (outcome.plan.sample_s * 1e9).round() as i64;
     curves.write(directory, name, |row| Tick(sample_ns * row as i64))
 }

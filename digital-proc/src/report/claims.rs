@@ -1,24 +1,12 @@
 //! The claims table: a sentence, its criterion, what was measured, and whether it holds.
 
-use crate::study::claim;
+use super::Numbering;
+use crate::study::claim::{Claim, Verdict};
 use maud::{Markup, html};
-use serde::Serialize;
-
-/// How a claim came out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The criterion is met.
-    Holds,
-    /// It is not met.
-    Fails,
-    /// What would decide it was not run.
-    NotJudged,
-}
 
 impl Verdict {
     /// The mark that stands beside the words.
-    pub fn mark(self) -> char {
+    fn mark(self) -> char {
         match self {
             Verdict::Holds => '✓',
             Verdict::Fails => '✗',
@@ -27,7 +15,7 @@ impl Verdict {
     }
 
     /// The verdict in words.
-    pub fn words(self) -> &'static str {
+    fn words(self) -> &'static str {
         match self {
             Verdict::Holds => "holds",
             Verdict::Fails => "does not hold",
@@ -36,47 +24,9 @@ impl Verdict {
     }
 }
 
-/// One line of the table.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Claim {
-    /// Its label (`P1`).
-    pub id: String,
-    /// The sentence that is tested.
-    pub sentence: String,
-    /// What must be measured for it to hold.
-    pub criterion: String,
-    /// What was measured, with units.
-    pub measured: String,
-    /// The outcome.
-    pub verdict: Verdict,
-    /// Where it holds only in part, or a remark; may be empty.
-    pub note: String,
-    /// The figure or table that shows it (`#fig-pitch`).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub evidence: Option<String>,
-}
-
-impl Claim {
-    /// A study's claim as a report shows it, with the anchor of what shows it.
-    pub fn of(claim: &claim::Claim, evidence: Option<String>) -> Claim {
-        Claim {
-            id: claim.id.to_owned(),
-            sentence: claim.sentence.to_owned(),
-            criterion: claim.criterion.clone(),
-            measured: claim.measured.clone(),
-            verdict: match claim.verdict {
-                claim::Verdict::Holds => Verdict::Holds,
-                claim::Verdict::Fails => Verdict::Fails,
-                claim::Verdict::NotJudged => Verdict::NotJudged,
-            },
-            note: claim.remark.clone().unwrap_or_default(),
-            evidence,
-        }
-    }
-}
-
-/// The table for a page, under a line that counts the verdicts.
-pub fn claims_table(claims: &[Claim]) -> Markup {
+/// The table for a page, under a line that counts the verdicts. `drawn` has numbered what
+/// the page shows; a claim leads to its evidence where that was drawn.
+pub fn claims_table(claims: &[Claim], drawn: &Numbering) -> Markup {
     html! {
         p { (count(claims)) }
         div.wide { table.claims {
@@ -88,8 +38,8 @@ pub fn claims_table(claims: &[Claim]) -> Markup {
                     td { (claim.criterion) }
                     td {
                         (claim.measured)
-                        @if let Some(href) = &claim.evidence { " " a href=(href) { "shown here" } }
-                        @if !claim.note.is_empty() { small { (claim.note) } }
+                        @if drawn.has(claim.evidence.anchor()) { " " a href={ "#" (claim.evidence.anchor()) } { "shown here" } }
+                        @if let Some(remark) = &claim.remark { small { (remark) } }
                     }
                     td.v.{ (class(claim.verdict)) } { (claim.verdict.mark()) "\u{202f}" (claim.verdict.words()) }
                 }
@@ -103,7 +53,7 @@ pub fn claims_text(claims: &[Claim]) -> String {
     let width = |text: fn(&Claim) -> &str| {
         claims.iter().map(|c| text(c).chars().count()).max().unwrap_or(0)
     };
-    let (ids, words) = (width(|c| &c.id), width(|c| c.verdict.words()));
+    let (ids, words) = (width(|c| c.id), width(|c| c.verdict.words()));
     let mut out = String::new();
     for claim in claims {
         let verdict = claim.verdict.words();
@@ -114,8 +64,8 @@ pub fn claims_text(claims: &[Claim]) -> String {
             claim.measured,
             claim.criterion
         ));
-        if claim.verdict != Verdict::Holds && !claim.note.is_empty() {
-            out.push_str(&format!("  {:words$}  {:ids$}  {}\n", "", "", claim.note));
+        if let (false, Some(remark)) = (claim.holds(), &claim.remark) {
+            out.push_str(&format!("  {:words$}  {:ids$}  {remark}\n", "", ""));
         }
     }
     out.push_str(&count(claims));
@@ -146,23 +96,24 @@ fn class(verdict: Verdict) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::claim::Evidence;
+
+    fn claim(verdict: Verdict) -> Claim {
+        Claim {
+            id: "P1",
+            evidence: Evidence::FIGURE_4,
+            sentence: "quite <satisfactory>",
+            criterion: "≤ 25 %".to_owned(),
+            measured: "31 %".to_owned(),
+            verdict,
+            remark: Some("at 47 s".to_owned()),
+        }
+    }
 
     /// Flights that were not flown must not read as a success of any kind.
     #[test]
     fn a_claim_without_its_runs_is_not_judged() {
-        let claim = Claim::of(
-            &claim::Claim {
-                id: "L2b",
-                sentence: "the same over the envelope",
-                criterion: "exactly one mode".to_owned(),
-                measured: "none".to_owned(),
-                verdict: claim::Verdict::NotJudged,
-                remark: None,
-            },
-            None,
-        );
-        assert_eq!(claim.verdict, Verdict::NotJudged);
-        let text = claims_text(&[claim]);
+        let text = claims_text(&[claim(Verdict::NotJudged)]);
         assert!(
             text.contains("· not judged") && text.contains("0 of 1 claims hold, 1 not judged."),
             "{text}"
@@ -171,19 +122,23 @@ mod tests {
 
     #[test]
     fn a_failed_claim_is_said_in_words_and_counted() {
-        let claims = [Verdict::Holds, Verdict::Fails].map(|verdict| Claim {
-            id: "P1".to_owned(),
-            sentence: "quite <satisfactory>".to_owned(),
-            criterion: "≤ 25 %".to_owned(),
-            measured: "31 %".to_owned(),
-            verdict,
-            note: "at 47 s".to_owned(),
-            evidence: None,
-        });
-        let html = claims_table(&claims).into_string();
+        let claims = [Verdict::Holds, Verdict::Fails].map(claim);
+        let html = claims_table(&claims, &Numbering::new()).into_string();
         assert!(html.contains("1 of 2 claims hold, 1 not."));
         assert!(html.contains("✗\u{202f}does not hold") && html.contains("&lt;satisfactory&gt;"));
         let text = claims_text(&claims);
         assert!(text.contains("✗ does not hold") && text.contains("at 47 s"), "{text}");
+    }
+
+    #[test]
+    fn a_claim_leads_to_its_evidence_where_that_was_drawn() {
+        let mut numbering = Numbering::new();
+        let links = |drawn: &Numbering| {
+            let table = claims_table(&[claim(Verdict::Holds)], drawn).into_string();
+            table.matches("href=\"#figure-4\"").count()
+        };
+        assert_eq!(links(&numbering), 0);
+        let _ = numbering.figure(Evidence::FIGURE_4.anchor(), "", html! {});
+        assert_eq!(links(&numbering), 1);
     }
 }

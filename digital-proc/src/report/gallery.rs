@@ -8,6 +8,7 @@ use interface::Tick;
 use super::plot::*;
 use super::*;
 use crate::run_dir::{Column, PatchIdentity, RunRecord, Seed, Trace, TraceWriter};
+use crate::study::claim::{Claim, Evidence, Verdict};
 
 /// A smooth stand-in for a flight: shapes and magnitudes only.
 fn sample_trace(rows: usize) -> Trace {
@@ -162,7 +163,7 @@ fn gallery() -> String {
                         HeatCell {
                             value,
                             violated: value > 5.0,
-                            href: (value > 60.0).then(|| "#responses".to_owned()),
+                            href: (value > 60.0).then(|| "#figure-4".to_owned()),
                         }
                     })
                     .collect()
@@ -197,14 +198,14 @@ fn gallery() -> String {
         size: Size::HALF,
     };
     let claim =
-        |id: &str, sentence: &str, criterion: &str, measured: &str, verdict, note: &str| Claim {
-            id: id.to_owned(),
-            sentence: sentence.to_owned(),
+        |id, sentence, criterion: &str, measured: &str, verdict, remark: Option<&str>| Claim {
+            id,
+            evidence: Evidence::FIGURE_4,
+            sentence,
             criterion: criterion.to_owned(),
             measured: measured.to_owned(),
             verdict,
-            note: note.to_owned(),
-            evidence: Some("#responses".to_owned()),
+            remark: remark.map(str::to_owned),
         };
     let claims = [
         claim(
@@ -213,7 +214,7 @@ fn gallery() -> String {
             "overshoot ≤ 25 %, residual ≤ 5 %, at every point",
             "21.4 %, 3.1 % (worst: 17 s)",
             Verdict::Holds,
-            "",
+            None,
         ),
         claim(
             "L2",
@@ -221,7 +222,7 @@ fn gallery() -> String {
             "exactly one mode exceeds the limit",
             "TVC dead zone stuck: 112 % of the limit",
             Verdict::NotJudged,
-            "no flight with a tailwind was asked for",
+            Some("no flight with a tailwind was asked for"),
         ),
         claim(
             "Y2",
@@ -229,7 +230,7 @@ fn gallery() -> String {
             "TVC above 20 % within 0.6 s",
             "14 % at 0.6 s",
             Verdict::Fails,
-            "",
+            None,
         ),
     ];
     let mut table = Table::new(vec![
@@ -242,14 +243,6 @@ fn gallery() -> String {
     table.row(["TVC time constant".into(), 29.5.into(), (-0.05).into(), f64::NAN.into()]);
     let sections = vec![
         Section::new(
-            "Claims",
-            number.table(
-                "claims",
-                "What the paper says, and what came out.",
-                claims_table(&claims),
-            ),
-        ),
-        Section::new(
             "Partition",
             number.figure(
                 "partition",
@@ -260,7 +253,7 @@ fn gallery() -> String {
         Section::new(
             "Responses",
             number.figure(
-                "responses",
+                Evidence::FIGURE_4.anchor(),
                 "Pitch responses for eight conditions; the limit is 25 % over the step.",
                 line_chart(&responses),
             ),
@@ -290,6 +283,7 @@ fn gallery() -> String {
                 ]))
             },
         ),
+        Section::new("Claims", claims_table(&claims, &number)),
         Section::new("Provenance", provenance(&sample_record())),
     ];
     page(

@@ -1,15 +1,18 @@
 //! The long-period study as tables and figures 6 to 8 of the paper.
 
 use super::{
-    Cell, Heading, Numbering, Section, Table,
+    Cell, Heading, Numbering, Section, Table, claims_table,
     gain_design::schedule_charts,
     plot::{Axis, LineChart, Series, Size, line_chart},
     side_by_side,
 };
 use crate::{
-    study::long_period::{
-        history::{VARIABLES, Variable},
-        results::{FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult},
+    study::{
+        claim::{Claim, Evidence},
+        long_period::{
+            history::{VARIABLES, Variable},
+            results::{FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult},
+        },
     },
     vehicle::ScheduleData,
 };
@@ -115,10 +118,10 @@ pub fn fuel_words(results: &LongPeriodResults) -> String {
 /// A table a question: burn-out, loads and fuel, with the fuel in words below.
 pub(super) fn mode_tables(numbering: &mut Numbering, results: &LongPeriodResults) -> Markup {
     html! {
-        (numbering.table("modes",
+        (numbering.table(Evidence::MODES.anchor(),
             "Departure of each mode's burn-out from that of the undisturbed normal flight, its load and its fluid; design case.",
             mode_table(results).markup()))
-        (numbering.table("loads",
+        (numbering.table(Evidence::LOADS.anchor(),
             "Largest Qα over wind and pitch misalignment, the latter in fractions of 3σ.",
             load_table(results).markup()))
         (numbering.table("fuel",
@@ -129,7 +132,7 @@ pub(super) fn mode_tables(numbering: &mut Numbering, results: &LongPeriodResults
 }
 
 /// The variable that has a limit, and a figure of full size.
-const LOAD: &str = "q-alpha";
+const LOAD: &str = Evidence::Q_ALPHA.anchor();
 
 /// Figures of the ten variables (after the paper's figure 6): the load, and the others.
 pub(super) fn variable_figures(
@@ -201,22 +204,23 @@ pub(super) fn schedule_figures(numbering: &mut Numbering, results: &LongPeriodRe
         (numbering.figure("figure-7",
             &format!("The designed gain schedules, {} switchings (after the paper's figure 7).", switchings(&results.designed)),
             side_by_side(&designed)))
-        (numbering.figure("figure-8",
+        (numbering.figure(Evidence::FIGURE_8.anchor(),
             &format!("The gain schedules reduced by long-period trials to {} switchings, beside the designed ones (after the paper's figure 8).", switchings(&results.reduced)),
             side_by_side(&reduced)))
     }
 }
 
-/// The sections of the study's page. `claims` is its table of claims.
-pub fn long_period_sections(results: &LongPeriodResults, claims: Markup) -> Vec<Section> {
+/// The sections of the study's page.
+pub fn long_period_sections(results: &LongPeriodResults, claims: &[Claim]) -> Vec<Section> {
     let mut numbering = Numbering::new();
     let modes = mode_tables(&mut numbering, results);
     let (load, others) = variable_figures(&mut numbering, results);
+    let schedules = schedule_figures(&mut numbering, results);
     vec![
-        Section::new("Claims", claims),
+        Section::new("Claims", claims_table(claims, &numbering)),
         Section::new("Modes", modes),
         Section::new("Load profiles", load),
         Section::new("Monitored variables", others),
-        Section::new("Gain schedules", schedule_figures(&mut numbering, results)),
+        Section::new("Gain schedules", schedules),
     ]
 }

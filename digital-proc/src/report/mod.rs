@@ -25,7 +25,7 @@ mod theme;
 mod trace_figures;
 
 pub use block_diagram::{Partition, block_diagram};
-pub use claims::{Claim, Verdict, claims_table, claims_text};
+pub use claims::{claims_table, claims_text};
 pub use flight::{FLIGHT_COLUMNS, FlightContext, flight_report, ten_variables};
 pub use page::{Numbering, Section, anchor, page, side_by_side};
 pub use provenance::provenance;

@@ -28,6 +28,7 @@ impl Section {
 pub struct Numbering {
     figures: u32,
     tables: u32,
+    ids: Vec<String>,
 }
 
 impl Numbering {
@@ -39,6 +40,7 @@ impl Numbering {
     /// `drawing` with the next figure number and a caption; `id` is what links point to.
     pub fn figure(&mut self, id: &str, caption: &str, drawing: Markup) -> Markup {
         self.figures += 1;
+        self.ids.push(id.to_owned());
         html! {
             figure id=(id) {
                 div.drawing { (drawing) }
@@ -50,12 +52,18 @@ impl Numbering {
     /// `table` (any markup) with the next table number and a caption above it.
     pub fn table(&mut self, id: &str, caption: &str, table: Markup) -> Markup {
         self.tables += 1;
+        self.ids.push(id.to_owned());
         html! {
             figure id=(id) {
                 figcaption { b { "Table " (self.tables) "." } " " (caption) }
                 (table)
             }
         }
+    }
+
+    /// Whether a figure or table was made under `id`.
+    pub fn has(&self, id: &str) -> bool {
+        self.ids.iter().any(|made| made == id)
     }
 }
 

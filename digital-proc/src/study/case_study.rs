@@ -16,6 +16,7 @@ use super::sensitivity::{
     run::{PointSensitivity, loops, run as disperse},
 };
 use super::short_period::{
+    self,
     claims::NORMAL,
     machine::{self, Patches},
     outcome::Outcome,
@@ -108,7 +109,7 @@ pub fn run(
 impl CaseResults {
     /// Every claim, in the paper's order.
     pub fn claims(&self) -> Vec<Claim> {
-        let mut claims = self.short.claims();
+        let mut claims = short_period::claims::judge(&self.short);
         claims.extend(long_period::claims::judge(&self.long));
         // The paper: the reduced schedule "has to be reevaluated again by reverting to the
         // short period analysis". What that finds belongs beside its claim.
@@ -132,17 +133,17 @@ impl CaseResults {
     /// any time of day. Time histories are in the traces.
     pub fn summary(&self) -> Value {
         let plan = &self.short.plan;
-        let pitch: Vec<Value> = plan
+        let pitch: Vec<Value> = self
+            .short
             .pitch
             .iter()
-            .zip(&self.short.results.pitch)
-            .map(|(case, measures)| json!({"run": plan.pitch_name(case), "measures": measures}))
+            .map(|r| json!({"run": r.name, "measures": r.measures}))
             .collect();
-        let yaw_roll: Vec<Value> = plan
+        let yaw_roll: Vec<Value> = self
+            .short
             .yaw_roll
             .iter()
-            .zip(&self.short.results.yaw_roll)
-            .map(|(case, measures)| json!({"run": plan.yaw_roll_name(case), "measures": measures}))
+            .map(|r| json!({"run": r.name, "measures": r.measures}))
             .collect();
         let flights: Vec<Value> = self
             .long
@@ -180,12 +181,9 @@ impl CaseResults {
 
     /// Points at which a condition was run in pitch with disturbances, with the residual.
     fn residuals<'a>(&'a self, condition: &'a str) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let plan = &self.short.plan;
-        plan.pitch
-            .iter()
-            .zip(&self.short.results.pitch)
-            .filter(move |(c, _)| c.disturbed && plan.conditions[c.condition].name == condition)
-            .map(|(c, m)| (c.point, m.residual.unwrap_or(f64::INFINITY)))
+        self.short
+            .pitch_under(condition, true)
+            .map(|r| (r.case.point, r.measures.residual.unwrap_or(f64::INFINITY)))
     }
 
     /// The point at which all of some conditions ring most (the least of them counts),

@@ -1,6 +1,5 @@
-//! A sentence of the paper with its criterion, what was measured, and the verdict.
-
-use std::fmt;
+//! A sentence of the paper with its criterion, what was measured, the verdict, and where a
+//! report shows it.
 
 /// Whether a claim came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -12,6 +11,27 @@ pub enum Verdict {
     Fails,
     /// The runs that would decide it are not there.
     NotJudged,
+}
+
+/// The figure or table of a report that shows a claim: the judge names it and the report
+/// draws it under that name, so that neither can misspell it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Evidence(&'static str);
+
+impl Evidence {
+    pub(crate) const FIGURE_4: Evidence = Evidence("figure-4");
+    pub(crate) const FIGURE_5: Evidence = Evidence("figure-5");
+    pub(crate) const FIGURE_8: Evidence = Evidence("figure-8");
+    pub(crate) const BENDING_GROWTH: Evidence = Evidence("bending-growth");
+    pub(crate) const OVERSHOOTS: Evidence = Evidence("matrix-overshoot");
+    pub(crate) const BENDING: Evidence = Evidence("matrix-bending");
+    pub(crate) const MODES: Evidence = Evidence("modes");
+    pub(crate) const LOADS: Evidence = Evidence("loads");
+    pub(crate) const Q_ALPHA: Evidence = Evidence("q-alpha");
+
+    pub(crate) const fn anchor(self) -> &'static str {
+        self.0
+    }
 }
 
 /// One claim, judged.
@@ -29,26 +49,14 @@ pub struct Claim {
     pub verdict: Verdict,
     /// Where it holds only in part, or what else was noticed.
     pub remark: Option<String>,
+    /// What shows it.
+    #[serde(skip)]
+    pub evidence: Evidence,
 }
 
 impl Claim {
     /// Whether it holds.
     pub fn holds(&self) -> bool {
         self.verdict == Verdict::Holds
-    }
-}
-
-impl fmt::Display for Claim {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let verdict = match self.verdict {
-            Verdict::Holds => "holds",
-            Verdict::Fails => "FAILS",
-            Verdict::NotJudged => "not judged",
-        };
-        write!(f, "{} {verdict}: {}; measured {}", self.id, self.criterion, self.measured)?;
-        if let Some(remark) = &self.remark {
-            write!(f, " ({remark})")?;
-        }
-        Ok(())
     }
 }

@@ -4,44 +4,11 @@ mod long_period;
 mod sensitivity;
 mod short_period;
 
-use maud::{Markup, html};
+use maud::html;
 
-use super::{Claim, Numbering, Partition, Section, block_diagram, claims_table, page, provenance};
+use super::{Numbering, Partition, Section, block_diagram, claims_table, page, provenance};
 use crate::run_dir::RunRecord;
 use crate::study::case_study::{CasePlan, CaseResults};
-use crate::study::claim;
-
-/// Which figure or table shows a claim.
-const EVIDENCE: [(&str, &str); 14] = [
-    ("P1", "matrix-overshoot"),
-    ("P2", "figure-4"),
-    ("P3", "figure-4"),
-    ("P4", "bending-growth"),
-    ("P5", "matrix-bending"),
-    ("P6", "matrix-bending"),
-    ("Y1", "figure-5"),
-    ("Y2", "figure-5"),
-    ("Y3", "figure-5"),
-    ("Y4", "figure-5"),
-    ("L1", "modes"),
-    ("L2", "q-alpha"),
-    ("L2b", "loads"),
-    ("L3", "figure-8"),
-];
-
-/// A study's claims as a report shows them; `shown` says whether an anchor exists.
-pub fn report_claims(claims: &[claim::Claim], shown: impl Fn(&str) -> bool) -> Vec<Claim> {
-    claims
-        .iter()
-        .map(|claim| {
-            let evidence = EVIDENCE
-                .iter()
-                .find(|(id, anchor)| *id == claim.id && shown(anchor))
-                .map(|(_, anchor)| format!("#{anchor}"));
-            Claim::of(claim, evidence)
-        })
-        .collect()
-}
 
 /// The report as a page.
 pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRecord) -> String {
@@ -57,12 +24,11 @@ pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRec
     if let Some(dispersions) = &plan.dispersions {
         sections.push(sensitivity::section(&mut numbering, &results.sensitivity, dispersions));
     }
-    let shown = |anchor: &str| {
-        let id = format!("id=\"{anchor}\"");
-        sections.iter().any(|s| s.body.0.contains(&id))
+    let claims = html! {
+        p { "Each sentence of the paper, the criterion that it was given here, and what the runs of this session measured." }
+        (claims_table(&results.claims(), &numbering))
     };
-    let claims = report_claims(&results.claims(), shown);
-    sections.insert(0, Section::new("Claims of the paper", claims_section(&claims)));
+    sections.insert(0, Section::new("Claims of the paper", claims));
     sections.push(Section::new("Provenance", provenance(record)));
     let (short, flights) = (&plan.short, plan.long.flights());
     page(
@@ -75,11 +41,4 @@ pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRec
         ),
         &sections,
     )
-}
-
-fn claims_section(claims: &[Claim]) -> Markup {
-    html! {
-        p { "Each sentence of the paper, the criterion that it was given here, and what the runs of this session measured." }
-        (claims_table(claims))
-    }
 }

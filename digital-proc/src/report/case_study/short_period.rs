@@ -7,11 +7,12 @@ use crate::report::short_period::{
 };
 use crate::report::{Numbering, Section, anchor};
 use crate::study::case_study::CaseResults;
+use crate::study::claim::Evidence;
 use crate::study::short_period::claims::{
     BENDING_MIDDLE, FTC_GAIN_LOST, NORMAL, OSCILLATORY, OVERSHOOT_P1, TVC_FAST, TVC_SLOW,
 };
 use crate::study::short_period::measure::YAW_BAND_DEG;
-use crate::study::short_period::outcome::Outcome;
+use crate::study::short_period::outcome::{Outcome, Run, YawRollRun};
 use crate::study::short_period::response::PitchResponse;
 
 /// Cells of the matrix that get a figure of their own.
@@ -54,11 +55,10 @@ fn pitch_runs<'a>(
     conditions
         .iter()
         .filter_map(|name| {
-            let run = outcome.pitch_run(point, name, true)?;
-            let case = &outcome.plan.pitch[run];
-            let title = &outcome.plan.conditions[case.condition].title;
+            let run = outcome.pitch_under(name, true).find(|r| r.case.point == point)?;
+            let title = &outcome.plan.conditions[run.case.condition].title;
             let title = if title.is_empty() { *name } else { title.as_str() };
-            Some((title.to_owned(), outcome.answers.pitch.get(run)?))
+            Some((title.to_owned(), &run.response))
         })
         .collect()
 }
@@ -69,7 +69,7 @@ fn figure_4(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
     let runs = pitch_runs(outcome, point, &[NORMAL, FTC_GAIN_LOST, TVC_SLOW]);
     let at = place(outcome, point);
     let step = outcome.plan.step_rad.to_degrees();
-    let figures = pitch_figures(numbering, "figure-4", &format!("at {at}"), &runs);
+    let figures = pitch_figures(numbering, Evidence::FIGURE_4.anchor(), &format!("at {at}"), &runs);
     let growth = growth(numbering, outcome);
     Some(html! {
         p { "Step command of " (format!("{step:.1}")) "° in pitch with thrust misalignment and a step gust at t = 0, at " (at)
@@ -85,28 +85,26 @@ fn figure_4(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
 
 /// The point without tips at which the fast actuator lets the bending coordinate grow most.
 fn growth(numbering: &mut Numbering, outcome: &Outcome) -> Option<Markup> {
-    let plan = &outcome.plan;
-    let (point, _) = plan
-        .pitch
-        .iter()
-        .zip(&outcome.results.pitch)
-        .filter(|(c, _)| {
-            c.disturbed
-                && plan.conditions[c.condition].name == TVC_FAST
-                && c.settings.plane.ftc_gain == 0.0
-        })
-        .filter_map(|(c, m)| Some((c.point, m.bending_ratio(2)?)))
+    let (point, _) = outcome
+        .pitch_under(TVC_FAST, true)
+        .filter(|r| r.case.settings.plane.ftc_gain == 0.0)
+        .filter_map(|r| Some((r.case.point, r.measures.bending_ratio(2)?)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let runs = pitch_runs(outcome, point, &[NORMAL, TVC_FAST]);
     let at = format!("at {}", place(outcome, point));
-    Some(pitch_pair(numbering, "bending-growth", &at, &runs))
+    Some(pitch_pair(numbering, Evidence::BENDING_GROWTH.anchor(), &at, &runs))
+}
+
+fn yaw_roll_run(outcome: &Outcome, point: usize, dedicated: bool) -> Option<&YawRollRun> {
+    outcome.yaw_roll_under(NORMAL, dedicated).find(|r| r.case.point == point)
 }
 
 fn figure_5(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> {
     let outcome = &results.short;
     let has_both = |point: &usize| {
-        outcome.yaw_roll_run(*point, NORMAL, false).is_some()
-            && outcome.yaw_roll_run(*point, NORMAL, true).is_some()
+        [false, true]
+            .into_iter()
+            .all(|dedicated| yaw_roll_run(outcome, *point, dedicated).is_some())
     };
     let point = results
         .most_telling_point(&[FTC_GAIN_LOST, TVC_SLOW])
@@ -116,15 +114,19 @@ fn figure_5(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
     let runs: Vec<_> = [(false, "tips shared"), (true, "tips for roll only")]
         .into_iter()
         .filter_map(|(dedicated, name)| {
-            let run = outcome.yaw_roll_run(point, NORMAL, dedicated)?;
-            Some((name.to_owned(), outcome.answers.yaw_roll.get(run)?, run))
+            Some((name.to_owned(), yaw_roll_run(outcome, point, dedicated)?))
         })
         .collect();
-    let travel =
-        runs.first().map(|(_, _, run)| outcome.plan.yaw_roll[*run].settings.plane.tip_travel);
-    let named: Vec<_> = runs.iter().map(|(n, r, _)| (n.clone(), *r)).collect();
+    let travel = runs.first().map(|(_, run)| run.case.settings.plane.tip_travel);
+    let named: Vec<_> = runs.into_iter().map(|(name, run)| (name, &run.response)).collect();
     let at = place(outcome, point);
-    let figures = yaw_roll_figures(numbering, "figure-5", &format!("at {at}"), &named, travel);
+    let figures = yaw_roll_figures(
+        numbering,
+        Evidence::FIGURE_5.anchor(),
+        &format!("at {at}"),
+        &named,
+        travel,
+    );
     Some(html! {
         p { "Initial offsets in yaw and roll with fin cant, thrust misalignment and a step gust, at " (at)
             ": the loops coupled by the shared tips (sum to one tip, difference to the other), and decoupled (tips for roll, thrust vector for yaw)." }
@@ -137,14 +139,13 @@ type Drawn = Vec<(usize, usize, String)>;
 
 fn worst_responses(numbering: &mut Numbering, outcome: &Outcome) -> (Markup, Drawn) {
     let plan = &outcome.plan;
-    let mut cells: Vec<(usize, usize, f64)> = plan
+    let mut cells: Vec<(usize, usize, f64)> = outcome
         .pitch
         .iter()
-        .zip(&outcome.results.pitch)
-        .filter(|(c, _)| c.disturbed && plan.conditions[c.condition].name != NORMAL)
-        .map(|(c, m)| {
-            let residual = m.residual.map_or(f64::INFINITY, |r| 100.0 * r);
-            (c.condition, c.point, residual)
+        .filter(|r| r.case.disturbed && r.condition != NORMAL)
+        .map(|Run { case, measures, .. }| {
+            let residual = measures.residual.map_or(f64::INFINITY, |r| 100.0 * r);
+            (case.condition, case.point, residual)
         })
         .collect();
     cells.sort_by(|a, b| b.2.total_cmp(&a.2));
@@ -180,22 +181,20 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
             .map(|(_, _, id)| format!("#{id}"))
     };
     let pitch = |condition: usize, point: usize, disturbed: bool| {
-        let run = plan
-            .pitch
-            .iter()
-            .position(|c| (c.condition, c.point, c.disturbed) == (condition, point, disturbed))?;
-        outcome.results.pitch.get(run)
+        let run = outcome
+            .pitch_under(&plan.conditions[condition].name, disturbed)
+            .find(|r| r.case.point == point)?;
+        Some(&run.measures)
     };
     let percent = |v: Option<f64>| 100.0 * v.unwrap_or(f64::NAN);
     let residual = |c: usize, p: usize| pitch(c, p, true).map(|m| percent(m.residual));
     let overshoot = |c: usize, p: usize| pitch(c, p, false).map(|m| percent(m.overshoot));
     let bending = |c: usize, p: usize| pitch(c, p, true).map(|m| percent(m.bending_ratio(1)));
     let yaw = |condition: usize, point: usize| {
-        let run = plan.yaw_roll.iter().position(|c| {
-            (c.condition, c.point, c.settings.dedicated) == (condition, point, false)
-        })?;
-        let measures = outcome.results.yaw_roll.get(run)?;
-        Some(measures.yaw_settling_s.unwrap_or(f64::NAN))
+        let run = outcome
+            .yaw_roll_under(&plan.conditions[condition].name, false)
+            .find(|r| r.case.point == point)?;
+        Some(run.measures.yaw_settling_s.unwrap_or(f64::NAN))
     };
     let nowhere = |_: usize, _: usize| None;
     let [oscillatory, overshot, bent] =
@@ -215,7 +214,7 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
             },
         ),
         (
-            "matrix-overshoot",
+            Evidence::OVERSHOOTS.anchor(),
             "Overshoot of θ in the pitch runs without disturbances.",
             Measure {
                 quantity: format!("Overshoot, % of the step; outside above {overshot:.0} %"),
@@ -226,7 +225,7 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
             },
         ),
         (
-            "matrix-bending",
+            Evidence::BENDING.anchor(),
             "Decay of the first bending coordinate in the disturbed pitch runs.",
             Measure {
                 quantity: format!(

@@ -4,39 +4,17 @@ use maud::Markup;
 
 use crate::report::plot::{Axis, Limit, LineChart, STYLES, Series, Size, line_chart};
 use crate::report::{Numbering, side_by_side};
-use crate::study::short_period::response::{PitchResponse, Response, YawRollResponse};
+use crate::study::short_period::response::{
+    Channel, PITCH_CHANNELS, PitchResponse, Response, YAW_ROLL_CHANNELS, YawRollResponse,
+};
 
 /// A run with its name in the legend.
 pub type Named<'a, R> = (String, &'a R);
 
-/// One figure: quantity, unit, factor from SI, channel.
-type Panel = (&'static str, &'static str, f64, usize);
-
-const DEG: f64 = 180.0 / std::f64::consts::PI;
-
-const PITCH: [Panel; 6] = [
-    ("Pitch attitude θ", "°", DEG, 0),
-    ("Pitch rate", "°/s", DEG, 1),
-    ("Angle of attack α", "°", DEG, 2),
-    ("First bending coordinate η", "mm", 1e3, 3),
-    ("FTC force", "kN", 1e-3, 4),
-    ("TVC force", "kN", 1e-3, 5),
-];
-
-const YAW_ROLL: [Panel; 12] = [
-    ("Yaw error ψ", "°", DEG, 0),
-    ("Roll error φ", "°", DEG, 2),
-    ("Tip 2", "°", DEG, 10),
-    ("Tip 4", "°", DEG, 11),
-    ("TVC force, yaw", "kN", 1e-3, 9),
-    ("FTC force, yaw", "kN", 1e-3, 7),
-    ("FTC force, roll", "kN", 1e-3, 8),
-    ("Yaw rate", "°/s", DEG, 1),
-    ("Roll rate", "°/s", DEG, 3),
-    ("Yaw angle of attack", "°", DEG, 4),
-    ("Yaw angle-of-attack rate", "°/s", DEG, 5),
-    ("First bending coordinate η", "mm", 1e3, 6),
-];
+/// Channels of a figure of their own, in its order.
+const PITCH: [usize; 6] = [0, 1, 2, 3, 4, 5];
+const PITCH_PAIR: [usize; 2] = [0, 3];
+const YAW_ROLL: [usize; 12] = [0, 2, 10, 11, 9, 7, 8, 1, 3, 4, 5, 6];
 
 /// Figures of the pitch loop's Table 1 variables, side by side.
 pub fn pitch_figures(
@@ -45,7 +23,7 @@ pub fn pitch_figures(
     where_: &str,
     runs: &[Named<'_, PitchResponse>],
 ) -> Markup {
-    panels(numbering, id, where_, &PITCH, runs, &[])
+    panels(numbering, id, where_, &PITCH_CHANNELS, &PITCH, runs, &[])
 }
 
 /// Attitude and bending coordinate only.
@@ -55,7 +33,7 @@ pub fn pitch_pair(
     where_: &str,
     runs: &[Named<'_, PitchResponse>],
 ) -> Markup {
-    panels(numbering, id, where_, &[PITCH[0], PITCH[3]], runs, &[])
+    panels(numbering, id, where_, &PITCH_CHANNELS, &PITCH_PAIR, runs, &[])
 }
 
 /// Figures of the yaw and roll loops' Table 1 variables; `tip_travel_rad` is drawn as
@@ -67,7 +45,7 @@ pub fn yaw_roll_figures(
     runs: &[Named<'_, YawRollResponse>],
     tip_travel_rad: Option<f64>,
 ) -> Markup {
-    let travel = tip_travel_rad.map(|t| t * DEG);
+    let travel = tip_travel_rad.map(f64::to_degrees);
     let limits: Vec<(usize, f64, &str)> = travel
         .into_iter()
         .flat_map(|t| {
@@ -76,7 +54,7 @@ pub fn yaw_roll_figures(
                 .flat_map(move |channel| [(channel, t, "travel"), (channel, -t, "travel")])
         })
         .collect();
-    panels(numbering, id, where_, &YAW_ROLL, runs, &limits)
+    panels(numbering, id, where_, &YAW_ROLL_CHANNELS, &YAW_ROLL, runs, &limits)
 }
 
 /// At most this many runs share a pair of axes, so that each has its own line style.
@@ -86,14 +64,16 @@ fn panels<const N: usize>(
     numbering: &mut Numbering,
     id: &str,
     where_: &str,
-    panels: &[Panel],
+    channels: &[Channel; N],
+    drawn: &[usize],
     runs: &[Named<'_, Response<N>>],
     limits: &[(usize, f64, &str)],
 ) -> Markup {
-    let figures: Vec<Markup> = panels
+    let figures: Vec<Markup> = drawn
         .iter()
         .enumerate()
-        .map(|(n, &(label, unit, factor, channel))| {
+        .map(|(n, &channel)| {
+            let Channel { label, shown_unit, factor, .. } = channels[channel];
             let series = runs
                 .iter()
                 .map(|(name, response)| {
@@ -111,7 +91,7 @@ fn panels<const N: usize>(
                     .map(|&(_, value, name)| Limit { value, name: name.to_owned() })
                     .collect(),
                 size: Size::HALF,
-                ..LineChart::new("", Axis::new("Time", "s"), Axis::new(label, unit), series)
+                ..LineChart::new("", Axis::new("Time", "s"), Axis::new(label, shown_unit), series)
             };
             let anchor = if n == 0 { id.to_owned() } else { format!("{id}-{n}") };
             numbering.figure(&anchor, &format!("{label}, {where_}."), line_chart(&chart))

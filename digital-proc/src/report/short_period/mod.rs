@@ -13,7 +13,7 @@ use maud::{Markup, html};
 use super::{Numbering, Section, anchor, page, provenance};
 use crate::run_dir::RunRecord;
 use crate::study::short_period::measure::{PITCH_BAND, ROLL_BAND_DEG, YAW_BAND_DEG};
-use crate::study::short_period::outcome::Outcome;
+use crate::study::short_period::outcome::{Outcome, Run};
 
 /// Runs beyond this many are tabulated and traced, and only the worst are drawn.
 const MOST_DRAWN: usize = 48;
@@ -83,28 +83,25 @@ fn responses(numbering: &mut Numbering, outcome: &Outcome) -> Markup {
         let place =
             format!("{} ({:.1} s)", plan.points[point].name, plan.points[point].slice.time_s);
         let id = anchor(&plan.points[point].name);
-        let pitch: Vec<Named<'_, _>> = plan
+        let pitch: Vec<Named<'_, _>> = outcome
             .pitch
             .iter()
-            .zip(&outcome.answers.pitch)
-            .filter(|(c, _)| c.point == point)
-            .map(|(c, r)| {
-                let test = if c.disturbed { "" } else { ", step only" };
-                (format!("{}{test}", plan.conditions[c.condition].name), r)
+            .filter(|r| r.case.point == point)
+            .map(|Run { condition, case, response, .. }| {
+                let test = if case.disturbed { "" } else { ", step only" };
+                (format!("{condition}{test}"), response)
             })
             .collect();
         for (n, group) in pitch.chunks(MOST_RUNS).enumerate() {
             let figures = pitch_figures(numbering, &format!("{id}-pitch-{n}"), &place, group);
             parts.push((format!("Pitch loop at {place}"), figures));
         }
-        let yaw_roll: Vec<Named<'_, _>> = plan
+        let yaw_roll: Vec<Named<'_, _>> = outcome
             .yaw_roll
             .iter()
-            .zip(&outcome.answers.yaw_roll)
-            .filter(|(c, _)| c.point == point)
-            .map(|(c, r)| {
-                let name = &plan.conditions[c.condition].name;
-                (format!("{name}, tips {}", allocation(c)), r)
+            .filter(|r| r.case.point == point)
+            .map(|Run { condition, case, response, .. }| {
+                (format!("{condition}, tips {}", allocation(case)), response)
             })
             .collect();
         for (n, group) in yaw_roll.chunks(MOST_RUNS).enumerate() {
@@ -130,14 +127,13 @@ fn drawn_points(outcome: &Outcome) -> Vec<usize> {
     if plan.pitch.len() + plan.yaw_roll.len() <= MOST_DRAWN {
         return (0..plan.points.len()).filter(has_runs).collect();
     }
-    let worst = plan
-        .pitch
-        .iter()
-        .zip(&outcome.results.pitch)
-        .max_by(|a, b| {
-            let residual = |m: Option<f64>| m.unwrap_or(f64::INFINITY);
-            residual(a.1.residual).total_cmp(&residual(b.1.residual))
-        })
-        .map(|(case, _)| case.point);
-    worst.or_else(|| plan.yaw_roll.first().map(|c| c.point)).into_iter().collect()
+    let worst = outcome.pitch.iter().max_by(|a, b| {
+        let residual = |m: Option<f64>| m.unwrap_or(f64::INFINITY);
+        residual(a.measures.residual).total_cmp(&residual(b.measures.residual))
+    });
+    worst
+        .map(|r| r.case.point)
+        .or_else(|| plan.yaw_roll.first().map(|c| c.point))
+        .into_iter()
+        .collect()
 }

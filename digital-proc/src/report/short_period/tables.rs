@@ -3,7 +3,7 @@
 use crate::report::{Cell, Heading, Table};
 use crate::study::short_period::agreement::Compared;
 use crate::study::short_period::linear::ChannelGains;
-use crate::study::short_period::outcome::Outcome;
+use crate::study::short_period::outcome::{Outcome, Run};
 use crate::study::short_period::plan::YawRollCase;
 
 /// Table of the pitch measures, for terminal, page and machines.
@@ -24,11 +24,11 @@ pub fn pitch_table(outcome: &Outcome) -> Table {
         Heading::new("ζ, attitude", "").digits(3),
         Heading::new("ζ, bending", "").digits(3),
     ]);
-    for (case, m) in outcome.plan.pitch.iter().zip(&outcome.results.pitch) {
+    for Run { point, condition, case, measures: m, .. } in &outcome.pitch {
         let percent = |v: Option<f64>| number(v.map(|v| 100.0 * v));
         table.row([
-            outcome.plan.points[case.point].name.as_str().into(),
-            outcome.plan.conditions[case.condition].name.as_str().into(),
+            point.as_str().into(),
+            condition.as_str().into(),
             if case.disturbed { "disturbed" } else { "step only" }.into(),
             percent(m.overshoot),
             number(m.settling_s),
@@ -63,10 +63,10 @@ pub fn yaw_roll_table(outcome: &Outcome) -> Table {
         Heading::new("ω, yaw", "rad/s").digits(3),
         Heading::new("ζ, yaw", "").digits(3),
     ]);
-    for (case, m) in outcome.plan.yaw_roll.iter().zip(&outcome.results.yaw_roll) {
+    for Run { point, condition, case, measures: m, .. } in &outcome.yaw_roll {
         table.row([
-            outcome.plan.points[case.point].name.as_str().into(),
-            outcome.plan.conditions[case.condition].name.as_str().into(),
+            point.as_str().into(),
+            condition.as_str().into(),
             allocation(case).into(),
             m.tips_given_to_roll_s.into(),
             number(m.tvc_called_s),
@@ -96,9 +96,8 @@ pub fn agreement_table(outcome: &Outcome) -> Table {
         Heading::new("Agrees", ""),
     ]);
     for agreement in &outcome.agreement {
-        let plan = &outcome.plan;
         let agrees = if agreement.agrees() { "yes" } else { "NO" };
-        let name = plan.pitch_name(&plan.pitch[agreement.run]);
+        let name = outcome.pitch[agreement.run].name.as_str();
         let mut row: Vec<Cell> = vec![name.into(), range(agreement.gains).into()];
         row.extend(match agreement.compared {
             Compared::Response { attitude, .. } => {

@@ -28,7 +28,7 @@ impl PitchBench {
     /// [`ConsoleFault`]: the machine or its link.
     pub fn load(console: &mut Console<'_>, profile: &Profile) -> Result<PitchBench, ConsoleFault> {
         let patch = Patches::shipped().pitch;
-        Ok(PitchBench(Bench::load(console, &patch, profile, PITCH_CHANNELS)?))
+        Ok(PitchBench(Bench::load(console, &patch, profile, &PITCH_CHANNELS)?))
     }
 
     /// One run from rest; samples every 10 ms.

@@ -22,8 +22,8 @@ use crate::{
         coefficients::{Disturbance, Plane},
         linear::{ChannelGains, plane_roots},
         point::FrozenPoint,
+        study_file::StudyError,
     },
-    trajectory::FlightError,
     vehicle::{ScheduleData, Vehicle},
 };
 use serde::Serialize;
@@ -58,9 +58,9 @@ pub enum DesignFault {
     /// The machine or its link.
     #[error(transparent)]
     Console(#[from] ConsoleFault),
-    /// The nominal flight from which the points are frozen.
-    #[error("the nominal flight cannot be computed: {0}")]
-    Flight(#[from] FlightError),
+    /// The points, or the nominal flight from which they are frozen.
+    #[error(transparent)]
+    Points(#[from] StudyError),
 }
 
 /// One interval's design.
@@ -119,7 +119,7 @@ pub fn design(
         })
         .collect();
     let wanted: Vec<(&str, f64)> = ends.iter().flatten().map(|&t| ("", t)).collect();
-    let slices = slice::points(vehicle, &wanted)?;
+    let slices = slice::points(vehicle, &wanted).map_err(StudyError::from)?;
     let tip_travel_deg = vehicle.data().ftc.delta_max_deg;
     let mut found = Design {
         criteria: *criteria,

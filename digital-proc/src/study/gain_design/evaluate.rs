@@ -9,10 +9,12 @@ use super::{
 use crate::{
     console::Console,
     gain_schedule::LoopGains,
-    slice,
+    slice::SlicePoint,
     study::short_period::{
         claims::{OVERSHOOT_P1, RESIDUAL_P1},
+        places::{Lacking, locate},
         point::FrozenPoint,
+        study_file::{Study, StudyError},
     },
     vehicle::{ScheduleData, Vehicle},
 };
@@ -48,17 +50,31 @@ pub fn gains_at(data: &ScheduleData, time_s: f64) -> LoopGains {
     schedule::gains(data, begun.max(1) - 1)
 }
 
-/// Runs the pitch test with a schedule's gains at every point of the study.
+/// The points of the shipped study on the vehicle's own flight, and those that it lacks.
+pub fn points(vehicle: &Vehicle) -> Result<(Vec<SlicePoint>, Vec<Lacking>), StudyError> {
+    let study = Study::shipped()?;
+    let (mut found, mut lacking) = (Vec::new(), Vec::new());
+    for point in locate(&study.points, vehicle)? {
+        match point {
+            Ok(slice) => found.push(slice),
+            Err(reason) => lacking.push(reason),
+        }
+    }
+    Ok((found, lacking))
+}
+
+/// Runs the pitch test with a schedule's gains at some points.
 ///
 /// # Errors
-/// [`DesignFault`]: the machine or the nominal flight.
+/// [`DesignFault`]: the machine.
 pub fn evaluate(
     console: &mut Console<'_>,
     bench: &PitchBench,
     vehicle: &Vehicle,
+    points: &[SlicePoint],
     data: &ScheduleData,
 ) -> Result<Vec<PointQuality>, DesignFault> {
-    slice::standard_points(vehicle)?
+    points
         .iter()
         .map(|slice| {
             let gains = gains_at(data, slice.time_s);

@@ -4,6 +4,7 @@
 //! traces show them. [`VARIABLES`] says what a trace and what a figure call each.
 
 use crate::flight_summary::FlightSample;
+use crate::study::claim::Evidence;
 use serde::Serialize;
 
 /// The paper's ten variables against time, one value a trajectory step.
@@ -84,9 +85,11 @@ pub const VARIABLES: [Variable; 11] = [
     variable(["alpha_deg", "deg"], ["alpha", "Pitch angle of attack", "°"], |h| &h.incidence_deg),
     variable(["mach", ""], ["mach", "Mach number", ""], |h| &h.mach),
     variable(["dynamic_pressure_kpa", "kPa"], ["q", "Dynamic pressure", "kPa"], |h| &h.q_kpa),
-    variable(["q_alpha_kpa_deg", "kPa deg"], ["q-alpha", "Load indicator Qα", "kPa·°"], |h| {
-        &h.q_alpha_kpadeg
-    }),
+    variable(
+        ["q_alpha_kpa_deg", "kPa deg"],
+        [Evidence::Q_ALPHA.anchor(), "Load indicator Qα", "kPa·°"],
+        |h| &h.q_alpha_kpadeg,
+    ),
     variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |h| &h.pitch_deg),
     variable(["phi_deg", "deg"], ["roll", "Roll angle", "°"], |h| &h.roll_deg),
     variable(["tvc_pitch_force_kn", "kN"], ["tvc", "TVC force, pitch loop", "kN"], |h| {

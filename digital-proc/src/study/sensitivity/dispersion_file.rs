@@ -2,10 +2,12 @@
 
 use crate::{
     file_fault::{self, FileFault, FileFaults, Source, suggestion},
-    slice::POINTS,
+    slice::SlicePoint,
     study::short_period::{
+        places::{PointEntry, locate_all},
         point::FrozenPoint,
         quantity::{QUANTITIES, Quantity},
+        study_file::{Study, StudyError},
     },
     vehicle::Vehicle,
 };
@@ -30,8 +32,10 @@ pub const FACTORS: [f64; 2] = [0.1, 10.0];
 pub struct Dispersions {
     /// File as named by the caller.
     pub file: String,
-    /// Trajectory points by name.
-    pub points: Vec<&'static str>,
+    /// Its text, for later faults.
+    text: String,
+    /// Points of the shipped study, in its order.
+    pub points: Vec<PointEntry>,
     /// What is dispersed.
     pub all: Vec<Dispersion>,
 }
@@ -113,11 +117,12 @@ struct RawDispersion {
 }
 
 impl Dispersions {
-    /// Refuses what a vehicle's data do not cover.
+    /// The points on the vehicle's own flight.
     ///
     /// # Errors
-    /// Gyro stations off the table of the bending mode.
-    pub fn check(&self, vehicle: &Vehicle) -> Result<(), FileFaults> {
+    /// What the vehicle does not cover: points that its flight lacks, gyro stations off the
+    /// table of its bending mode.
+    pub fn locate(&self, vehicle: &Vehicle) -> Result<Vec<SlicePoint>, StudyError> {
         let [first, last] = vehicle.gyro_stations_m();
         let outside = self.all.iter().filter_map(|dispersion| {
             let Dispersed::GyroStations(stations) = dispersion.what else {
@@ -132,7 +137,8 @@ impl Dispersions {
                 remedy: format!("the bending mode is known from {first} to {last} m"),
             })
         });
-        FileFaults::unless(outside.collect(), ())
+        FileFaults::unless(outside.collect(), ())?;
+        locate_all(&self.points, Source { file: &self.file, text: &self.text }, vehicle)
     }
 
     /// The shipped file.
@@ -160,14 +166,20 @@ impl Dispersions {
         let raw: RawFile = source.parse()?;
         let mut faults = Vec::new();
         let mut points = Vec::new();
+        let catalogue = Study::shipped()?.points;
+        let known = || catalogue.iter().map(|p| p.name.as_str());
         for name in &raw.points {
-            match POINTS.iter().find(|(known, _)| known == name.get_ref()) {
-                Some((known, _)) => points.push(*known),
-                None => faults.push(source.fault(
+            if !known().any(|known| known == name.get_ref()) {
+                faults.push(source.fault(
                     name.span(),
                     format!("no trajectory point `{}`", name.get_ref()),
-                    suggestion(name.get_ref(), POINTS.iter().map(|p| p.0)),
-                )),
+                    suggestion(name.get_ref(), known()),
+                ));
+            }
+        }
+        for point in &catalogue {
+            if let Some(name) = raw.points.iter().find(|name| *name.get_ref() == point.name) {
+                points.push(PointEntry { span: name.span(), ..point.clone() });
             }
         }
         let mut all = Vec::new();
@@ -185,8 +197,8 @@ impl Dispersions {
                 format!("give at least one point and 1 to {MOST} [[dispersion]]"),
             ));
         }
-        let file = file.to_owned();
-        FileFaults::unless(faults, Dispersions { file, points, all })
+        let (file, text) = (file.to_owned(), text.to_owned());
+        FileFaults::unless(faults, Dispersions { file, text, points, all })
     }
 }
 

@@ -3,7 +3,6 @@
 use super::dispersion_file::{Dispersion, Dispersions, Side};
 use crate::{
     console::Console,
-    slice,
     study::{
         gain_design::{
             bench::PitchBench,
@@ -161,14 +160,10 @@ pub fn run(
     dispersions: &Dispersions,
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<PointSensitivity>, DesignFault> {
-    let wanted: Vec<(&str, f64)> = slice::POINTS
-        .iter()
-        .copied()
-        .filter(|(name, _)| dispersions.points.contains(name))
-        .collect();
+    let slices = dispersions.locate(vehicle)?;
     let mut done = 0;
-    let mut out = Vec::with_capacity(wanted.len());
-    for slice in slice::points(vehicle, &wanted)? {
+    let mut out = Vec::with_capacity(slices.len());
+    for slice in slices {
         let nominal = FrozenPoint::new(vehicle, &slice, &slice.settings.gains);
         let mut answer = |point: &FrozenPoint| -> Result<Answer, DesignFault> {
             let measured = measure(console, bench, point)?;

@@ -5,7 +5,7 @@
 //! sampled before, and says so; only a lost partner or a refused setting is a fault.
 
 use super::coefficients::{PitchSettings, YawRollSettings};
-use super::response::Response;
+use super::response::{Channel, Response};
 use crate::console::{Console, ConsoleFault};
 use interface::{
     Tick,
@@ -72,12 +72,12 @@ impl<const N: usize> Bench<N> {
         console: &mut Console<'_>,
         patch: &PatchBundle,
         profile: &Profile,
-        channels: [&str; N],
+        channels: &[Channel; N],
     ) -> Result<Self, ConsoleFault> {
         console.load(patch.clone(), Vec::new(), profile.clone())?;
         let mut adc = [0; N];
-        for (number, name) in adc.iter_mut().zip(channels) {
-            *number = console.channel(ChannelKind::Adc, name)?;
+        for (number, channel) in adc.iter_mut().zip(channels) {
+            *number = console.channel(ChannelKind::Adc, channel.adc)?;
         }
         Ok(Bench { adc })
     }

@@ -1,6 +1,6 @@
 //! The paper's sentences about the short period, judged on the measured runs.
 //!
-//! The judge reads only the plan and the measures, so that it serves the hybrid
+//! The judge reads only the plan and the measured runs, so that it serves the hybrid
 //! machine's answers and the reference's alike. Conditions are known by their names
 //! in the study file ([`NORMAL`], [`FTC_GAIN_LOST`], [`TVC_SLOW`], [`TVC_FAST`]); a
 //! study without one of them leaves its claims unjudged. A measure that a run does
@@ -11,8 +11,7 @@ mod yaw_roll;
 
 pub use pitch::{BENDING_MIDDLE, OSCILLATORY, OVERSHOOT_P1, RESIDUAL_P1};
 
-use super::measure::{PitchMeasures, Results, YawRollMeasures};
-use super::plan::{PitchCase, Plan, YawRollCase};
+use super::outcome::{Outcome, Run};
 use crate::study::claim::{Claim, Verdict};
 
 /// Name of the normal condition.
@@ -25,79 +24,22 @@ pub const TVC_SLOW: &str = "tvc-slow";
 pub const TVC_FAST: &str = "tvc-fast";
 
 /// Judges P1 to P6 and Y1 to Y4.
-pub fn judge(plan: &Plan, results: &Results) -> Vec<Claim> {
-    let pitch_runs = Runs::new(plan, &plan.pitch, &results.pitch);
-    let yaw_roll_runs = Runs::new(plan, &plan.yaw_roll, &results.yaw_roll);
+pub fn judge(outcome: &Outcome) -> Vec<Claim> {
     vec![
-        pitch::p1(&pitch_runs),
-        pitch::p2(&pitch_runs),
-        pitch::p3(&pitch_runs),
-        pitch::p4(&pitch_runs),
-        pitch::p5(&pitch_runs),
-        pitch::p6(&pitch_runs),
-        yaw_roll::y1(&yaw_roll_runs),
-        yaw_roll::y2(&yaw_roll_runs),
-        yaw_roll::y3(&yaw_roll_runs),
-        yaw_roll::y4(&yaw_roll_runs),
+        pitch::p1(outcome),
+        pitch::p2(outcome),
+        pitch::p3(outcome),
+        pitch::p4(outcome),
+        pitch::p5(outcome),
+        pitch::p6(outcome),
+        yaw_roll::y1(outcome),
+        yaw_roll::y2(outcome),
+        yaw_roll::y3(outcome),
+        yaw_roll::y4(outcome),
     ]
 }
 
-/// The runs of one loop with their measures.
-struct Runs<'a, C, M> {
-    plan: &'a Plan,
-    runs: Vec<(&'a C, &'a M)>,
-}
-
-impl<'a, C, M> Runs<'a, C, M> {
-    fn new(plan: &'a Plan, cases: &'a [C], measures: &'a [M]) -> Self {
-        Runs { plan, runs: cases.iter().zip(measures).collect() }
-    }
-
-    fn under(
-        &self,
-        condition: &str,
-        of: impl Fn(&C) -> usize,
-    ) -> impl Iterator<Item = (&'a C, &'a M)> {
-        let index = self.plan.conditions.iter().position(|c| c.name == condition);
-        self.runs.iter().copied().filter(move |(case, _)| Some(of(case)) == index)
-    }
-}
-
-type PitchRuns<'a> = Runs<'a, PitchCase, PitchMeasures>;
-type YawRollRuns<'a> = Runs<'a, YawRollCase, YawRollMeasures>;
-
-impl<'a> PitchRuns<'a> {
-    fn disturbed(
-        &self,
-        condition: &str,
-    ) -> impl Iterator<Item = (&'a PitchCase, &'a PitchMeasures)> {
-        self.under(condition, |c| c.condition).filter(|(case, _)| case.disturbed)
-    }
-
-    fn quiet(&self, condition: &str) -> impl Iterator<Item = (&'a PitchCase, &'a PitchMeasures)> {
-        self.under(condition, |c| c.condition).filter(|(case, _)| !case.disturbed)
-    }
-
-    fn point(&self, case: &PitchCase) -> &'a str {
-        &self.plan.points[case.point].name
-    }
-}
-
-impl<'a> YawRollRuns<'a> {
-    fn allocated(
-        &self,
-        dedicated: bool,
-    ) -> impl Iterator<Item = (&'a YawRollCase, &'a YawRollMeasures)> {
-        self.under(NORMAL, |c| c.condition)
-            .filter(move |(case, _)| case.settings.dedicated == dedicated)
-    }
-
-    fn point(&self, case: &YawRollCase) -> &'a str {
-        &self.plan.points[case.point].name
-    }
-}
-
-/// The worst of some values with its point: greatest where the bound is an upper one.
+/// The worst value of some runs with its point: greatest where the bound is an upper one.
 struct Worst<'a> {
     upper: bool,
     found: Option<(f64, &'a str)>,
@@ -105,10 +47,15 @@ struct Worst<'a> {
 }
 
 impl<'a> Worst<'a> {
-    fn of(upper: bool, values: impl Iterator<Item = (Option<f64>, &'a str)>) -> Worst<'a> {
+    fn of<C: 'a, R: 'a, M: 'a>(
+        upper: bool,
+        runs: impl Iterator<Item = &'a Run<C, R, M>>,
+        value: impl Fn(&Run<C, R, M>) -> Option<f64>,
+    ) -> Worst<'a> {
         let mut worst = Worst { upper, found: None, missing: None };
-        for (value, point) in values {
-            match value.filter(|v| !v.is_nan()) {
+        for run in runs {
+            let point = run.point.as_str();
+            match value(run).filter(|v| !v.is_nan()) {
                 None => worst.missing = Some(point),
                 Some(value) => {
                     let worse =
@@ -162,14 +109,14 @@ fn both(a: Verdict, b: Verdict) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::short_period::plan::{Plan, YawRollCase};
     use crate::study::short_period::reference;
     use crate::study::short_period::study_file::Study;
     use crate::vehicle::{Vehicle, VehicleData};
 
     fn judged(plan: &Plan) -> Vec<Claim> {
         // 1 ms: gyro and the fastest actuator take 100 and 200 rad/s · 1 ms.
-        let (pitch, yaw_roll) = reference::answer(plan, 1e-3);
-        judge(plan, &Results::new(plan, &pitch, &yaw_roll))
+        judge(&Outcome::new(plan.clone(), reference::answer(plan, 1e-3)))
     }
 
     /// The shipped study with only some conditions, to save time.
@@ -193,7 +140,7 @@ mod tests {
         let claims = judged(&plan(&JUDGED, |_| {}));
         assert_eq!(claims.len(), 10);
         for claim in &claims {
-            assert!(claim.holds(), "{claim}");
+            assert!(claim.holds(), "{claim:?}");
         }
     }
 

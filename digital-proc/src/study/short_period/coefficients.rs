@@ -360,10 +360,10 @@ mod tests {
         let point = numbered();
         let pitch = PitchSettings::new(&point, &Disturbance::NONE, 0.035);
         assert_settings_match(PITCH, &pitch.settings());
-        assert_channels_match(PITCH, &PITCH_CHANNELS);
+        assert_channels_match(PITCH, &PITCH_CHANNELS.map(|c| c.adc));
         let yaw_roll = YawRollSettings::new(&point, &Disturbance::NONE, INITIAL, true);
         assert_settings_match(YAW_ROLL, &yaw_roll.settings());
-        assert_channels_match(YAW_ROLL, &YAW_ROLL_CHANNELS);
+        assert_channels_match(YAW_ROLL, &YAW_ROLL_CHANNELS.map(|c| c.adc));
         let blocks = blocks(YAW_ROLL);
         for (name, _) in yaw_roll.initial_conditions() {
             assert_eq!(blocks[name].0, "integrator", "{name}");

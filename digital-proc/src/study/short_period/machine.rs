@@ -105,7 +105,7 @@ pub fn run(
     let mut answers = Answers::default();
     let spec = spec(plan);
     if !plan.pitch.is_empty() {
-        let bench = Bench::load(console, &patches.pitch, profile, PITCH_CHANNELS)?;
+        let bench = Bench::load(console, &patches.pitch, profile, &PITCH_CHANNELS)?;
         answers.patches.push(bench.identity(console, &patches.pitch));
         for (number, case) in plan.pitch.iter().enumerate() {
             let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;
@@ -115,7 +115,7 @@ pub fn run(
         }
     }
     if !plan.yaw_roll.is_empty() {
-        let bench = Bench::load(console, &patches.yaw_roll, profile, YAW_ROLL_CHANNELS)?;
+        let bench = Bench::load(console, &patches.yaw_roll, profile, &YAW_ROLL_CHANNELS)?;
         answers.patches.push(bench.identity(console, &patches.yaw_roll));
         for (number, case) in plan.yaw_roll.iter().enumerate() {
             let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;

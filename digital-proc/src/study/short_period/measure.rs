@@ -184,32 +184,3 @@ impl YawRollMeasures {
         }
     }
 }
-
-/// Measures of every run of a plan, in its order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Results {
-    /// Of the pitch runs.
-    pub pitch: Vec<PitchMeasures>,
-    /// Of the yaw–roll runs.
-    pub yaw_roll: Vec<YawRollMeasures>,
-}
-
-impl Results {
-    /// Measures all runs; responses stand in the plan's order, extra ones are ignored.
-    pub fn new(plan: &Plan, pitch: &[PitchResponse], yaw_roll: &[YawRollResponse]) -> Results {
-        Results {
-            pitch: plan
-                .pitch
-                .iter()
-                .zip(pitch)
-                .map(|(case, response)| PitchMeasures::new(plan, case, response))
-                .collect(),
-            yaw_roll: plan
-                .yaw_roll
-                .iter()
-                .zip(yaw_roll)
-                .map(|(case, response)| YawRollMeasures::new(case, response))
-                .collect(),
-        }
-    }
-}

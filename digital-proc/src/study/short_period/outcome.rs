@@ -4,39 +4,77 @@
 //! and, where it differs from the rule, the test (`undisturbed`, `dedicated`).
 
 use super::agreement::{self, Agreement};
-use super::claims;
-use super::machine::{Answers, ControlLoop};
-use super::measure::Results;
+use super::machine::{Answers, ControlLoop, Remark};
+use super::measure::{PitchMeasures, YawRollMeasures};
 use super::plan::{PitchCase, Plan, YawRollCase};
-use crate::study::claim::Claim;
+use super::response::{PitchResponse, YawRollResponse};
+
+/// One run: what was asked, what the machine answered, and what that measures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run<C, R, M> {
+    /// Unique within the study.
+    pub name: String,
+    /// Name of its point.
+    pub point: String,
+    /// Name of its condition.
+    pub condition: String,
+    /// What was asked.
+    pub case: C,
+    /// The answer.
+    pub response: R,
+    /// Its measures.
+    pub measures: M,
+}
+
+/// A run of the pitch loop.
+pub type PitchRun = Run<PitchCase, PitchResponse, PitchMeasures>;
+/// A run of the yaw and roll loops.
+pub type YawRollRun = Run<YawRollCase, YawRollResponse, YawRollMeasures>;
 
 /// A study that has run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// What was asked.
     pub plan: Plan,
-    /// What the machine answered.
-    pub answers: Answers,
-    /// The measures.
-    pub results: Results,
+    /// Pitch runs in the plan's order.
+    pub pitch: Vec<PitchRun>,
+    /// Yaw–roll runs in the plan's order.
+    pub yaw_roll: Vec<YawRollRun>,
     /// The runs held against linear theory.
     pub agreement: Vec<Agreement>,
+    /// SHA-256 of each patch that ran, by its name.
+    pub patches: Vec<(String, String)>,
+    remarks: Vec<Remark>,
 }
 
 impl Outcome {
-    /// Measures the answers.
+    /// Measures the answers, which stand in the plan's order.
     pub fn new(plan: Plan, answers: Answers) -> Outcome {
+        let agreement = agreement::compare(&plan, &answers.pitch);
+        let named = |point: usize, condition: usize, test: &str| {
+            let (point, condition) = (&plan.points[point].name, &plan.conditions[condition].name);
+            (format!("{point}.{condition}{test}"), point.clone(), condition.clone())
+        };
+        let pitch = plan.pitch.iter().zip(answers.pitch).map(|(&case, response)| {
+            let test = if case.disturbed { "" } else { ".undisturbed" };
+            let (name, point, condition) = named(case.point, case.condition, test);
+            let measures = PitchMeasures::new(&plan, &case, &response);
+            Run { name, point, condition, case, response, measures }
+        });
+        let yaw_roll = plan.yaw_roll.iter().zip(answers.yaw_roll).map(|(&case, response)| {
+            let test = if case.settings.dedicated { ".dedicated" } else { "" };
+            let (name, point, condition) = named(case.point, case.condition, test);
+            let measures = YawRollMeasures::new(&case, &response);
+            Run { name, point, condition, case, response, measures }
+        });
         Outcome {
-            results: Results::new(&plan, &answers.pitch, &answers.yaw_roll),
-            agreement: agreement::compare(&plan, &answers.pitch),
+            pitch: pitch.collect(),
+            yaw_roll: yaw_roll.collect(),
+            agreement,
+            patches: answers.patches,
+            remarks: answers.remarks,
             plan,
-            answers,
         }
-    }
-
-    /// Judges the paper's sentences.
-    pub fn claims(&self) -> Vec<Claim> {
-        claims::judge(&self.plan, &self.results)
     }
 
     /// Runs that disagree with linear theory.
@@ -44,55 +82,33 @@ impl Outcome {
         self.agreement.iter().filter(|a| !a.agrees())
     }
 
-    /// Number of a pitch run, by names.
-    pub fn pitch_run(&self, point: usize, condition: &str, disturbed: bool) -> Option<usize> {
-        self.plan.pitch.iter().position(|c| {
-            c.point == point
-                && self.plan.conditions[c.condition].name == condition
-                && c.disturbed == disturbed
-        })
+    /// Pitch runs under a condition, with disturbances or without.
+    pub fn pitch_under(&self, condition: &str, disturbed: bool) -> impl Iterator<Item = &PitchRun> {
+        self.pitch.iter().filter(move |r| r.condition == condition && r.case.disturbed == disturbed)
     }
 
-    /// Number of a yaw–roll run, by names.
-    pub fn yaw_roll_run(&self, point: usize, condition: &str, dedicated: bool) -> Option<usize> {
-        self.plan.yaw_roll.iter().position(|c| {
-            c.point == point
-                && self.plan.conditions[c.condition].name == condition
-                && c.settings.dedicated == dedicated
-        })
+    /// Yaw–roll runs under a condition, with the tips dedicated to roll or shared.
+    pub fn yaw_roll_under(
+        &self,
+        condition: &str,
+        dedicated: bool,
+    ) -> impl Iterator<Item = &YawRollRun> {
+        self.yaw_roll
+            .iter()
+            .filter(move |r| r.condition == condition && r.case.settings.dedicated == dedicated)
     }
 
     /// Remarks of the machine in words, run by run.
     pub fn remarks(&self) -> Vec<String> {
-        let plan = &self.plan;
-        self.answers
-            .remarks
+        self.remarks
             .iter()
             .map(|remark| {
                 let name = match remark.control_loop {
-                    ControlLoop::Pitch => plan.pitch_name(&plan.pitch[remark.run]),
-                    ControlLoop::YawRoll => plan.yaw_roll_name(&plan.yaw_roll[remark.run]),
+                    ControlLoop::Pitch => &self.pitch[remark.run].name,
+                    ControlLoop::YawRoll => &self.yaw_roll[remark.run].name,
                 };
                 format!("{name}: {}", remark.what)
             })
             .collect()
-    }
-}
-
-impl Plan {
-    /// Name of a pitch run, unique within the plan.
-    pub fn pitch_name(&self, case: &PitchCase) -> String {
-        let test = if case.disturbed { "" } else { ".undisturbed" };
-        format!("{}{test}", self.cell(case.point, case.condition))
-    }
-
-    /// Name of a yaw–roll run, unique within the plan.
-    pub fn yaw_roll_name(&self, case: &YawRollCase) -> String {
-        let tips = if case.settings.dedicated { ".dedicated" } else { "" };
-        format!("{}{tips}", self.cell(case.point, case.condition))
-    }
-
-    fn cell(&self, point: usize, condition: usize) -> String {
-        format!("{}.{}", self.points[point].name, self.conditions[condition].name)
     }
 }

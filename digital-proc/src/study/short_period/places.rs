@@ -1,12 +1,14 @@
-//! Where the points of a study lie on the nominal flight.
+//! Where named points lie on a vehicle's nominal flight.
 //!
-//! Events are looked for on a coarse grid of the flight and refined on a fine one, so
-//! that a time found is a multiple of a millisecond. A place that the flight lacks is a
-//! fault of the study's file, told with its line.
+//! The points of the shipped study are the catalogue that every command knows by name;
+//! a user's study brings its own. Events are looked for on a coarse grid of the flight and
+//! refined on a fine one, so that a time found is a multiple of a millisecond. A point that
+//! the flight lacks is told with its reason; who asked for it decides whether that is a fault.
 
-use super::study_file::{Event, Place, Study, StudyError};
-use crate::file_fault::{FileFault, FileFaults};
+use super::study_file::{Study, StudyError};
+use crate::file_fault::{FileFault, FileFaults, Source};
 use crate::slice::{self, SlicePoint};
+use crate::trajectory::FlightError;
 use crate::vehicle::Vehicle;
 
 /// Sampling interval at which events of the flight are first looked for, s.
@@ -14,31 +16,89 @@ const COARSE_S: f64 = 0.1;
 /// Interval to which they are then refined, s.
 const FINE_S: f64 = 0.001;
 
-/// Slices of the flight at named times.
-pub(super) fn flight(
-    vehicle: &Vehicle,
-    wanted: &[(&str, f64)],
-) -> Result<Vec<SlicePoint>, StudyError> {
-    slice::points(vehicle, wanted).map_err(|error| StudyError::Flight(error.to_string()))
+/// A trajectory point as asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointEntry {
+    /// Name.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    /// Where on the trajectory.
+    pub at: Place,
+    /// Added to the time found, s.
+    pub offset_s: f64,
+    /// Where it stands in the file.
+    pub(crate) span: std::ops::Range<usize>,
 }
 
-/// Flight time of every point of a study, s.
-pub(super) fn times(study: &Study, vehicle: &Vehicle) -> Result<Vec<f64>, StudyError> {
+/// Where on the trajectory a point lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// At a flight time, s.
+    Time(f64),
+    /// At an event.
+    Event(Event),
+    /// Where a Mach number is first reached.
+    Mach(f64),
+    /// At the n-th switching of the designed schedule, counted from 1.
+    GainSwitch(usize),
+}
+
+/// Events of the nominal flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The pitch programme begins.
+    PitchInitiation,
+    /// Middle of the interval of greatest pitch rate.
+    MaxPitchRate,
+    /// Fin-tip control is switched in.
+    FtcOn,
+    /// Dynamic pressure is greatest.
+    MaxQ,
+    /// The motor has burnt out.
+    BurnOut,
+}
+
+impl Event {
+    pub(super) const ALL: [(&'static str, Event); 5] = [
+        ("pitch-initiation", Event::PitchInitiation),
+        ("max-pitch-rate", Event::MaxPitchRate),
+        ("ftc-on", Event::FtcOn),
+        ("max-q", Event::MaxQ),
+        ("burn-out", Event::BurnOut),
+    ];
+}
+
+/// Why a flight lacks a point.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("point `{point}`: {fault}; {remedy}")]
+pub struct Lacking {
+    /// The point's name.
+    pub point: String,
+    /// What is wrong with its place.
+    pub fault: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+/// A slice of the vehicle's nominal flight at each point, or why it lacks the point.
+pub fn locate(
+    points: &[PointEntry],
+    vehicle: &Vehicle,
+) -> Result<Vec<Result<SlicePoint, Lacking>>, FlightError> {
     let burn_time_s = vehicle.data().mass.burn_time_s;
     let coarse = grid(vehicle, 0.0, burn_time_s, COARSE_S)?;
-    let source = study.source();
-    let mut faults: Vec<FileFault> = Vec::new();
-    let mut times = Vec::with_capacity(study.points.len());
-    for point in &study.points {
+    let mut places = Vec::with_capacity(points.len());
+    for point in points {
         let found = match point.at {
             Place::Time(time) => Ok(time),
             Place::Event(event) => event_time(vehicle, &coarse, event)?,
             Place::Mach(mach) => mach_time(vehicle, &coarse, mach)?,
             Place::GainSwitch(number) => switch_time(vehicle, number),
         };
-        let time = found.map(|t| t + point.offset_s).and_then(|t| {
+        let on_flight = found.map(|t| t + point.offset_s).and_then(|t| {
             if (0.0..=burn_time_s).contains(&t) {
-                Ok(t)
+                Ok((point.name.as_str(), t))
             } else {
                 Err((
                     format!("the point lies at {t} s"),
@@ -46,15 +106,36 @@ pub(super) fn times(study: &Study, vehicle: &Vehicle) -> Result<Vec<f64>, StudyE
                 ))
             }
         });
-        match time {
-            Ok(time) => times.push(time),
-            Err((fault, remedy)) => {
-                let fault = format!("point `{}`: {fault}", point.name);
+        places.push(on_flight.map_err(|(fault, remedy)| Lacking {
+            point: point.name.clone(),
+            fault,
+            remedy,
+        }));
+    }
+    let wanted: Vec<(&str, f64)> = places.iter().flatten().copied().collect();
+    let mut slices = slice::points(vehicle, &wanted)?.into_iter();
+    Ok(places.into_iter().filter_map(|place| place.map(|_| slices.next()).transpose()).collect())
+}
+
+/// A slice at each point that a file asks for; those that the flight lacks are its faults.
+pub(crate) fn locate_all(
+    points: &[PointEntry],
+    source: Source<'_>,
+    vehicle: &Vehicle,
+) -> Result<Vec<SlicePoint>, StudyError> {
+    let located = locate(points, vehicle)?;
+    let mut faults: Vec<FileFault> = Vec::new();
+    let mut slices = Vec::with_capacity(points.len());
+    for (point, located) in points.iter().zip(located) {
+        match located {
+            Ok(slice) => slices.push(slice),
+            Err(Lacking { point: name, fault, remedy }) => {
+                let fault = format!("point `{name}`: {fault}");
                 faults.push(source.fault(point.span.clone(), fault, remedy));
             }
         }
     }
-    Ok(FileFaults::unless(faults, times)?)
+    Ok(FileFaults::unless(faults, slices)?)
 }
 
 /// Refuses gyro stations where the vehicle's mode is not known.
@@ -87,7 +168,11 @@ fn switch_time(vehicle: &Vehicle, number: usize) -> Found {
     })
 }
 
-fn event_time(vehicle: &Vehicle, coarse: &[SlicePoint], event: Event) -> Result<Found, StudyError> {
+fn event_time(
+    vehicle: &Vehicle,
+    coarse: &[SlicePoint],
+    event: Event,
+) -> Result<Found, FlightError> {
     let programme = &vehicle.data().pitch_programme;
     Ok(match event {
         Event::PitchInitiation => programme.node_time_s.first().copied().ok_or_else(no_programme),
@@ -124,7 +209,7 @@ fn greatest_q(points: &[SlicePoint]) -> f64 {
         .map_or(0.0, |p| p.time_s)
 }
 
-fn mach_time(vehicle: &Vehicle, coarse: &[SlicePoint], mach: f64) -> Result<Found, StudyError> {
+fn mach_time(vehicle: &Vehicle, coarse: &[SlicePoint], mach: f64) -> Result<Found, FlightError> {
     let reached = |points: &[SlicePoint]| points.iter().position(|p| p.airframe.mach >= mach);
     let Some(index) = reached(coarse) else {
         let greatest = coarse.iter().fold(0.0_f64, |m, p| m.max(p.airframe.mach));
@@ -144,11 +229,66 @@ fn grid(
     from_s: f64,
     to_s: f64,
     every_s: f64,
-) -> Result<Vec<SlicePoint>, StudyError> {
+) -> Result<Vec<SlicePoint>, FlightError> {
     // Times are multiples of the interval, so that a refined event is a round number.
     let first = (from_s / every_s).round() as u64;
     let last = (to_s / every_s).round() as u64;
     let per_second = (1.0 / every_s).round();
     let wanted: Vec<(&str, f64)> = (first..=last).map(|i| ("", i as f64 / per_second)).collect();
-    flight(vehicle, &wanted)
+    slice::points(vehicle, &wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn located(vehicle: &Vehicle) -> Vec<Result<SlicePoint, Lacking>> {
+        locate(&Study::shipped().unwrap().points, vehicle).unwrap()
+    }
+
+    /// Another stage has its greatest dynamic pressure and its Mach 1.05 elsewhere, and its
+    /// switchings where its own sequencer has them.
+    #[test]
+    fn points_move_with_the_vehicle() {
+        let shipped = Vehicle::shipped().unwrap();
+        let mut data = shipped.data().clone();
+        data.geometry.reference_area_m2 *= 2.0;
+        data.ftc.on_time_s = 16.0;
+        data.gains.switch_time_s[2] = 16.0;
+        data.gains_reduced.switch_time_s[1] = 16.0;
+        let other = Vehicle::from_data(data).unwrap();
+        let times = |vehicle: &Vehicle| -> Vec<(String, f64)> {
+            located(vehicle).into_iter().flatten().map(|p| (p.name, p.time_s)).collect()
+        };
+        let moved: Vec<String> = times(&shipped)
+            .into_iter()
+            .zip(times(&other))
+            .filter(|(a, b)| a.1 != b.1)
+            .map(|(a, _)| a.0)
+            .collect();
+        assert_eq!(moved, ["ftc-switch-in", "transonic", "max-q"]);
+    }
+
+    #[test]
+    fn a_flight_without_a_switching_lacks_its_point_and_no_other() {
+        let mut data = Vehicle::shipped().unwrap().data().clone();
+        let gains = &mut data.gains;
+        for column in [
+            &mut gains.switch_time_s,
+            &mut gains.ftc_gain,
+            &mut gains.ftc_lead_s,
+            &mut gains.tvc_gain_npdeg,
+            &mut gains.tvc_lead_s,
+            &mut gains.dead_zone_deg,
+        ] {
+            column.pop();
+        }
+        let lacking: Vec<String> = located(&Vehicle::from_data(data).unwrap())
+            .into_iter()
+            .filter_map(Result::err)
+            .map(|lacking| lacking.to_string())
+            .collect();
+        assert_eq!(lacking.len(), 1);
+        assert!(lacking[0].contains("`gain-45`: there is no gain switching 7"), "{lacking:?}");
+    }
 }

@@ -7,7 +7,7 @@
 //! first, no fin tips) or changes nothing.
 
 use super::coefficients::{Disturbance, PitchSettings, YawRollInitial, YawRollSettings};
-use super::places::{flight, gyro_stations, times};
+use super::places::{gyro_stations, locate_all};
 use super::point::FrozenPoint;
 use super::quantity::QUANTITIES;
 use super::study_file::{Condition, GainSource, How, Study, StudyError};
@@ -76,15 +76,8 @@ pub struct YawRollCase {
 impl Plan {
     /// Plans a study on a vehicle.
     pub fn new(study: &Study, vehicle: &Vehicle) -> Result<Plan, StudyError> {
-        let times = times(study, vehicle)?;
+        let slices = locate_all(&study.points, study.source(), vehicle)?;
         gyro_stations(study, vehicle)?;
-        let wanted: Vec<(&str, f64)> = study
-            .points
-            .iter()
-            .zip(&times)
-            .map(|(point, &time)| (point.name.as_str(), time))
-            .collect();
-        let slices = flight(vehicle, &wanted)?;
         let points: Vec<PlannedPoint> = study
             .points
             .iter()
@@ -272,6 +265,8 @@ mod tests {
         assert!((31.0..34.0).contains(&at("max-q").0));
         let peak = at("max-q").1.dynamic_pressure_pa;
         assert!(plan.points.iter().all(|p| p.slice.airframe.dynamic_pressure_pa <= peak));
+        let in_tables = |p: &SlicePoint| p.airframe.edges.is_empty() && p.bending.edges.is_empty();
+        assert!(plan.points.iter().all(|p| in_tables(&p.slice)));
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //! small. It is no substitute for the machine and no study runs on it.
 
 use super::coefficients::{PitchSettings, Plane, YawRollSettings};
+use super::machine::Answers;
 use super::plan::Plan;
 use super::response::{PitchResponse, YawRollResponse};
 
@@ -212,16 +213,17 @@ pub fn yaw_roll(settings: &YawRollSettings, grid: &Grid) -> YawRollResponse {
 }
 
 /// Answers every run of a plan, in its order, at about `step_s` of integration step.
-pub fn answer(plan: &Plan, step_s: f64) -> (Vec<PitchResponse>, Vec<YawRollResponse>) {
+pub fn answer(plan: &Plan, step_s: f64) -> Answers {
     let grid = Grid {
         samples: plan.samples(),
         sample_s: plan.sample_s,
         steps: (plan.sample_s / step_s).ceil().max(1.0) as usize,
     };
-    (
-        plan.pitch.iter().map(|case| pitch(&case.settings, &grid)).collect(),
-        plan.yaw_roll.iter().map(|case| yaw_roll(&case.settings, &grid)).collect(),
-    )
+    Answers {
+        pitch: plan.pitch.iter().map(|case| pitch(&case.settings, &grid)).collect(),
+        yaw_roll: plan.yaw_roll.iter().map(|case| yaw_roll(&case.settings, &grid)).collect(),
+        ..Answers::default()
+    }
 }
 
 #[cfg(test)]

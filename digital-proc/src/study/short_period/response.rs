@@ -1,46 +1,69 @@
 //! What a short-period run answers with: the variables of the paper's Table 1, sampled.
 //!
-//! Samples stand at `k · sample_s`, k = 0, 1, …; columns are named after the ADC
-//! blocks of the patches, in channel order, so that the machine's frames and the
+//! Samples stand at `k · sample_s`, k = 0, 1, …; columns are the channels
+//! of the patches in the order of their numbers, so that the machine's frames and the
 //! reference integration fill the same type.
 
-/// ADC blocks of `pitch-loop.toml` in channel order.
-pub const PITCH_CHANNELS: [&str; 10] = [
-    "pitch_attitude",
-    "pitch_rate",
-    "angle_of_attack",
-    "bending",
-    "ftc_force",
-    "tvc_force",
-    "tip_deflection",
-    "drift",
-    "gyro_output",
-    "tvc_channel_error",
+/// A sampled channel: its ADC block in the patch, and how a figure shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Channel {
+    /// ADC block.
+    pub adc: &'static str,
+    /// Its name in a figure.
+    pub label: &'static str,
+    /// Unit of its samples.
+    pub unit: &'static str,
+    /// Unit in a figure.
+    pub shown_unit: &'static str,
+    /// Shown units in one unit.
+    pub factor: f64,
+}
+
+type Units = (&'static str, &'static str, f64);
+const DEG: f64 = 180.0 / std::f64::consts::PI;
+const ANGLE: Units = ("rad", "°", DEG);
+const RATE: Units = ("rad/s", "°/s", DEG);
+const FORCE: Units = ("N", "kN", 1e-3);
+const BENDING: Units = ("m", "mm", 1e3);
+const SPEED: Units = ("m/s", "m/s", 1.0);
+
+const fn channel(
+    adc: &'static str,
+    label: &'static str,
+    (unit, shown_unit, factor): Units,
+) -> Channel {
+    Channel { adc, label, unit, shown_unit, factor }
+}
+
+/// Channels of `pitch-loop.toml` in the order of their numbers.
+pub const PITCH_CHANNELS: [Channel; 10] = [
+    channel("pitch_attitude", "Pitch attitude θ", ANGLE),
+    channel("pitch_rate", "Pitch rate", RATE),
+    channel("angle_of_attack", "Angle of attack α", ANGLE),
+    channel("bending", "First bending coordinate η", BENDING),
+    channel("ftc_force", "FTC force", FORCE),
+    channel("tvc_force", "TVC force", FORCE),
+    channel("tip_deflection", "Tip deflection", ANGLE),
+    channel("drift", "Drift velocity", SPEED),
+    channel("gyro_output", "Gyro output", RATE),
+    channel("tvc_channel_error", "Error of the TVC channel", ANGLE),
 ];
 
-/// ADC blocks of `yaw-roll-loop.toml` in channel order.
-pub const YAW_ROLL_CHANNELS: [&str; 12] = [
-    "yaw_attitude",
-    "yaw_rate",
-    "roll_attitude",
-    "roll_attitude_rate",
-    "yaw_angle_of_attack",
-    "yaw_angle_of_attack_rate",
-    "bending",
-    "ftc_yaw_force",
-    "ftc_roll_force",
-    "tvc_yaw_force",
-    "tip2_deflection",
-    "tip4_deflection",
+/// Channels of `yaw-roll-loop.toml` in the order of their numbers.
+pub const YAW_ROLL_CHANNELS: [Channel; 12] = [
+    channel("yaw_attitude", "Yaw error ψ", ANGLE),
+    channel("yaw_rate", "Yaw rate", RATE),
+    channel("roll_attitude", "Roll error φ", ANGLE),
+    channel("roll_attitude_rate", "Roll rate", RATE),
+    channel("yaw_angle_of_attack", "Yaw angle of attack", ANGLE),
+    channel("yaw_angle_of_attack_rate", "Yaw angle-of-attack rate", RATE),
+    channel("bending", "First bending coordinate η", BENDING),
+    channel("ftc_yaw_force", "FTC force, yaw", FORCE),
+    channel("ftc_roll_force", "FTC force, roll", FORCE),
+    channel("tvc_yaw_force", "TVC force, yaw", FORCE),
+    channel("tip2_deflection", "Tip 2", ANGLE),
+    channel("tip4_deflection", "Tip 4", ANGLE),
 ];
-
-/// Units of [`PITCH_CHANNELS`].
-pub const PITCH_UNITS: [&str; 10] =
-    ["rad", "rad/s", "rad", "m", "N", "N", "rad", "m/s", "rad/s", "rad"];
-
-/// Units of [`YAW_ROLL_CHANNELS`].
-pub const YAW_ROLL_UNITS: [&str; 12] =
-    ["rad", "rad/s", "rad", "rad/s", "rad", "rad/s", "m", "N", "N", "N", "rad", "rad"];
 
 /// A run's samples: shape `[channel][sample]`.
 #[derive(Clone, Debug, PartialEq)]

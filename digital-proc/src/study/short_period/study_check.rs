@@ -3,10 +3,9 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::places::{Event, Place, PointEntry};
 use super::quantity::{QUANTITIES, Quantity, Range};
-use super::study_file::{
-    Change, Condition, Event, GainSource, How, PitchTest, Place, PointEntry, Study, YawRollTest,
-};
+use super::study_file::{Change, Condition, GainSource, How, PitchTest, Study, YawRollTest};
 use crate::file_fault::{FileFault, FileFaults, Source, suggestion};
 
 /// Longest run offered, s.

@@ -10,9 +10,11 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::places::PointEntry;
 use super::quantity::Quantity;
 use super::study_check;
 use crate::file_fault::{self, FileFaults, Source};
+use crate::trajectory::FlightError;
 
 /// Text of the shipped study.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");
@@ -20,14 +22,14 @@ pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");
 pub const SHIPPED_NAME: &str = "digital-proc/data/short-period.toml";
 
 /// A study that was refused.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyError {
     /// The file.
     #[error(transparent)]
     File(#[from] FileFaults),
     /// The nominal flight from which the points are frozen failed.
     #[error("the nominal flight cannot be computed: {0}")]
-    Flight(String),
+    Flight(#[from] FlightError),
 }
 
 /// A checked study.
@@ -81,59 +83,6 @@ pub struct YawRollTest {
     pub gust: f64,
     /// Fraction of the fin-cant moment.
     pub cant: f64,
-}
-
-/// A trajectory point as asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointEntry {
-    /// Name.
-    pub name: String,
-    /// What it is.
-    pub title: String,
-    /// Where on the trajectory.
-    pub at: Place,
-    /// Added to the time found, s.
-    pub offset_s: f64,
-    /// Where it stands in the file.
-    pub(super) span: std::ops::Range<usize>,
-}
-
-/// Where on the trajectory a point lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
-    /// At a flight time, s.
-    Time(f64),
-    /// At an event.
-    Event(Event),
-    /// Where a Mach number is first reached.
-    Mach(f64),
-    /// At the n-th switching of the designed schedule, counted from 1.
-    GainSwitch(usize),
-}
-
-/// Events of the nominal flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// The pitch programme begins.
-    PitchInitiation,
-    /// Middle of the interval of greatest pitch rate.
-    MaxPitchRate,
-    /// Fin-tip control is switched in.
-    FtcOn,
-    /// Dynamic pressure is greatest.
-    MaxQ,
-    /// The motor has burnt out.
-    BurnOut,
-}
-
-impl Event {
-    pub(super) const ALL: [(&'static str, Event); 5] = [
-        ("pitch-initiation", Event::PitchInitiation),
-        ("max-pitch-rate", Event::MaxPitchRate),
-        ("ftc-on", Event::FtcOn),
-        ("max-q", Event::MaxQ),
-        ("burn-out", Event::BurnOut),
-    ];
 }
 
 /// An operating condition.

@@ -1,8 +1,8 @@
 //! P1 to P6: the pitch loop.
 
-use super::super::measure::PitchMeasures;
-use super::{FTC_GAIN_LOST, NORMAL, PitchRuns, TVC_FAST, TVC_SLOW, Worst, both};
-use crate::study::claim::{Claim, Verdict};
+use super::super::outcome::{Outcome, PitchRun};
+use super::{FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW, Worst, both};
+use crate::study::claim::{Claim, Evidence, Verdict};
 
 /// Overshoot up to which a response is satisfactory, as a fraction of the step (P1).
 pub const OVERSHOOT_P1: f64 = 0.25;
@@ -26,14 +26,14 @@ const FAILURE_SENTENCE: &str = "under two of the failure mode conditions (extrem
 const BENDING_SENTENCE: &str =
     "The generalised co-ordinate associated with the first bending mode attenuates rapidly";
 
-pub(super) fn p1(runs: &PitchRuns) -> Claim {
-    let overshoot = Worst::of(true, runs.quiet(NORMAL).map(|(c, m)| (m.overshoot, runs.point(c))));
-    let residual =
-        Worst::of(true, runs.disturbed(NORMAL).map(|(c, m)| (m.residual, runs.point(c))));
-    let reduced =
-        Worst::of(true, runs.quiet("reduced-schedule").map(|(c, m)| (m.overshoot, runs.point(c))));
+pub(super) fn p1(outcome: &Outcome) -> Claim {
+    let overshoot = Worst::of(true, outcome.pitch_under(NORMAL, false), |r| r.measures.overshoot);
+    let residual = Worst::of(true, outcome.pitch_under(NORMAL, true), |r| r.measures.residual);
+    let reduced = outcome.pitch_under("reduced-schedule", false);
+    let reduced = Worst::of(true, reduced, |r| r.measures.overshoot);
     Claim {
         id: "P1",
+        evidence: Evidence::OVERSHOOTS,
         sentence: "For a step command in pitch, the normal mode response of θ is found to be \
                    quite satisfactory",
         criterion: format!(
@@ -49,19 +49,20 @@ pub(super) fn p1(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p2(runs: &PitchRuns) -> Claim {
-    let residual = |within: bool| {
-        runs.disturbed(FTC_GAIN_LOST)
-            .filter(move |(c, _)| (c.frozen.time_s <= P2_UNTIL_S) == within)
-            .map(|(c, m)| (m.residual, runs.point(c)))
+pub(super) fn p2(outcome: &Outcome) -> Claim {
+    let runs = |within: bool| {
+        outcome
+            .pitch_under(FTC_GAIN_LOST, true)
+            .filter(move |r| (r.case.frozen.time_s <= P2_UNTIL_S) == within)
     };
-    let claimed = Worst::of(false, residual(true));
-    let later: Vec<String> = residual(false)
-        .filter(|(r, _)| r.is_some_and(|r| r < OSCILLATORY))
-        .map(|(_, point)| point.to_owned())
+    let claimed = Worst::of(false, runs(true), |r| r.measures.residual);
+    let later: Vec<&str> = runs(false)
+        .filter(|r| r.measures.residual.is_some_and(|v| v < OSCILLATORY))
+        .map(|r| r.point.as_str())
         .collect();
     Claim {
         id: "P2",
+        evidence: Evidence::FIGURE_4,
         sentence: FAILURE_SENTENCE,
         criterion: format!(
             "FTC gain × 0.05: residual oscillation ≥ {:.0} % of the step from FTC switch-in to {P2_UNTIL_S} s",
@@ -78,16 +79,17 @@ pub(super) fn p2(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p3(runs: &PitchRuns) -> Claim {
-    let residual = |needed: bool| {
-        runs.disturbed(TVC_SLOW)
-            .filter(move |(_, m)| (m.tip_authority < AUTHORITY_NEEDED) == needed)
-            .map(|(c, m)| (m.residual, runs.point(c)))
+pub(super) fn p3(outcome: &Outcome) -> Claim {
+    let residual = |upper: bool, needed: bool| {
+        let runs = outcome
+            .pitch_under(TVC_SLOW, true)
+            .filter(|r| (r.measures.tip_authority < AUTHORITY_NEEDED) == needed);
+        Worst::of(upper, runs, |r| r.measures.residual)
     };
-    let needed = Worst::of(false, residual(true));
-    let elsewhere = Worst::of(true, residual(false));
+    let (needed, elsewhere) = (residual(false, true), residual(true, false));
     Claim {
         id: "P3",
+        evidence: Evidence::FIGURE_4,
         sentence: FAILURE_SENTENCE,
         criterion: format!(
             "TVC pole 10 → 1 rad/s: residual oscillation ≥ {:.0} % of the step wherever the TVC is \
@@ -102,27 +104,28 @@ pub(super) fn p3(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p4(runs: &PitchRuns) -> Claim {
+pub(super) fn p4(outcome: &Outcome) -> Claim {
     // Growth: each window above the one before; the least of the two ratios counts.
-    let growth = |m: &PitchMeasures| {
-        let middle = m.bending_ratio(1)?;
-        let late = m.bending_ratio(2)?;
+    let growth = |r: &PitchRun| {
+        let middle = r.measures.bending_ratio(1)?;
+        let late = r.measures.bending_ratio(2)?;
         Some(middle.min(late / middle))
     };
-    let grows = |tips: bool| {
-        runs.disturbed(TVC_FAST)
-            .filter(move |(c, _)| (c.settings.plane.ftc_gain != 0.0) == tips)
-            .map(|(c, m)| (growth(m), runs.point(c)))
+    let runs = |tips: bool| {
+        outcome
+            .pitch_under(TVC_FAST, true)
+            .filter(move |r| (r.case.settings.plane.ftc_gain != 0.0) == tips)
     };
-    let claimed = Worst::of(false, grows(false));
+    let claimed = Worst::of(false, runs(false), growth);
     // A ratio of exactly one is no growth.
     let verdict = claimed.against(1.0_f64.next_up());
-    let later: Vec<String> = grows(true)
-        .filter(|(g, _)| g.is_some_and(|g| g > 1.0))
-        .map(|(_, point)| point.to_owned())
+    let later: Vec<&str> = runs(true)
+        .filter(|r| growth(r).is_some_and(|g| g > 1.0))
+        .map(|r| r.point.as_str())
         .collect();
     Claim {
         id: "P4",
+        evidence: Evidence::BENDING_GROWTH,
         sentence: FAILURE_SENTENCE,
         criterion: "TVC time constant 0.1 → 0.005 s: the bending envelope grows from window to \
                     window before the fin tips are switched in"
@@ -136,17 +139,16 @@ pub(super) fn p4(runs: &PitchRuns) -> Claim {
     }
 }
 
-fn bending<'a>(runs: &PitchRuns<'a>, condition: &str, window: usize) -> Worst<'a> {
-    Worst::of(
-        true,
-        runs.disturbed(condition).map(|(c, m)| (m.bending_ratio(window), runs.point(c))),
-    )
+fn bending<'a>(outcome: &'a Outcome, condition: &str, window: usize) -> Worst<'a> {
+    let runs = outcome.pitch_under(condition, true);
+    Worst::of(true, runs, |r| r.measures.bending_ratio(window))
 }
 
-pub(super) fn p5(runs: &PitchRuns) -> Claim {
-    let (middle, late) = (bending(runs, NORMAL, 1), bending(runs, NORMAL, 2));
+pub(super) fn p5(outcome: &Outcome) -> Claim {
+    let (middle, late) = (bending(outcome, NORMAL, 1), bending(outcome, NORMAL, 2));
     Claim {
         id: "P5",
+        evidence: Evidence::BENDING,
         sentence: BENDING_SENTENCE,
         criterion: format!(
             "normal mode, every point: bending envelope ≤ {:.0} % of its first by 5–6.5 s and ≤ {:.0} % by 8–9.5 s",
@@ -159,10 +161,11 @@ pub(super) fn p5(runs: &PitchRuns) -> Claim {
     }
 }
 
-pub(super) fn p6(runs: &PitchRuns) -> Claim {
-    let middle = bending(runs, FTC_GAIN_LOST, 1);
+pub(super) fn p6(outcome: &Outcome) -> Claim {
+    let middle = bending(outcome, FTC_GAIN_LOST, 1);
     Claim {
         id: "P6",
+        evidence: Evidence::BENDING,
         sentence: BENDING_SENTENCE,
         criterion: format!(
             "FTC gain × 0.05, every point with fin tips: bending envelope ≤ {:.0} % of its first by 5–6.5 s",

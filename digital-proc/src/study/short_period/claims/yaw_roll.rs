@@ -1,20 +1,21 @@
 //! Y1 to Y4: the yaw and roll loops sharing the tips.
 
 use super::super::measure::{ROLL_BAND_DEG, YAW_BAND_DEG};
-use super::{Worst, YawRollRuns};
-use crate::study::claim::Claim;
+use super::super::outcome::{Outcome, YawRollRun};
+use super::{NORMAL, Worst};
+use crate::study::claim::{Claim, Evidence};
 
 const GIVEN_TO_ROLL_S: f64 = 0.15;
 const CALLED_WITHIN_S: f64 = 0.6;
 const SHARE_AFTER: f64 = 0.20;
 
-pub(super) fn y1(runs: &YawRollRuns) -> Claim {
-    let held = Worst::of(
-        false,
-        runs.allocated(false).map(|(c, m)| (Some(m.tips_given_to_roll_s), runs.point(c))),
-    );
+pub(super) fn y1(outcome: &Outcome) -> Claim {
+    let held = Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| {
+        Some(r.measures.tips_given_to_roll_s)
+    });
     Claim {
         id: "Y1",
+        evidence: Evidence::FIGURE_5,
         sentence: "the fin tips get first allocated to the roll channel and saturate",
         criterion: format!(
             "both tips ≥ 95 % of their limit in opposite senses for at least {GIVEN_TO_ROLL_S} s while yaw's share is under 10 %"
@@ -25,11 +26,12 @@ pub(super) fn y1(runs: &YawRollRuns) -> Claim {
     }
 }
 
-pub(super) fn y2(runs: &YawRollRuns) -> Claim {
+pub(super) fn y2(outcome: &Outcome) -> Claim {
     let called =
-        Worst::of(true, runs.allocated(false).map(|(c, m)| (m.tvc_called_s, runs.point(c))));
+        Worst::of(true, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.tvc_called_s);
     Claim {
         id: "Y2",
+        evidence: Evidence::FIGURE_5,
         sentence: "… calling in the TVC for the yaw axis",
         criterion: format!(
             "thrust-vector yaw force above 20 % of its maximum within {CALLED_WITHIN_S} s"
@@ -40,11 +42,12 @@ pub(super) fn y2(runs: &YawRollRuns) -> Claim {
     }
 }
 
-pub(super) fn y3(runs: &YawRollRuns) -> Claim {
+pub(super) fn y3(outcome: &Outcome) -> Claim {
     let share =
-        Worst::of(false, runs.allocated(false).map(|(c, m)| (m.yaw_share_after, runs.point(c))));
+        Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.yaw_share_after);
     Claim {
         id: "Y3",
+        evidence: Evidence::FIGURE_5,
         sentence: "Fin tips become effective in yaw after the roll error is reduced",
         criterion: format!(
             "after roll has fallen to a quarter, tips above {:.0} % of their limit in yaw",
@@ -56,25 +59,24 @@ pub(super) fn y3(runs: &YawRollRuns) -> Claim {
     }
 }
 
-pub(super) fn y4(runs: &YawRollRuns) -> Claim {
-    let shared: Vec<_> = runs.allocated(false).collect();
+pub(super) fn y4(outcome: &Outcome) -> Claim {
+    let shared = |r: &YawRollRun| {
+        outcome.yaw_roll_under(NORMAL, false).find(|shared| shared.point == r.point)
+    };
+    let both = outcome.yaw_roll_under(NORMAL, true).filter(|r| shared(r).is_some());
     // Gain in settling time: shared minus dedicated, at each point with both runs.
-    let gain = Worst::of(
-        false,
-        runs.allocated(true).filter_map(|(dedicated, m)| {
-            let (_, other) = shared.iter().find(|(c, _)| c.point == dedicated.point)?;
-            let gained = match (other.yaw_settling_s, m.yaw_settling_s) {
-                (Some(shared), Some(dedicated)) => Some(shared - dedicated),
-                (None, Some(_)) => Some(f64::INFINITY),
-                (_, None) => None,
-            };
-            Some((gained, runs.point(dedicated)))
-        }),
-    );
+    let gain = Worst::of(false, both, |dedicated| {
+        match [shared(dedicated)?, dedicated].map(|r| r.measures.yaw_settling_s) {
+            [Some(shared), Some(dedicated)] => Some(shared - dedicated),
+            [None, Some(_)] => Some(f64::INFINITY),
+            [_, None] => None,
+        }
+    });
     let roll =
-        Worst::of(true, runs.allocated(true).map(|(c, m)| (m.roll_settling_s, runs.point(c))));
+        Worst::of(true, outcome.yaw_roll_under(NORMAL, true), |r| r.measures.roll_settling_s);
     Claim {
         id: "Y4",
+        evidence: Evidence::FIGURE_5,
         sentence: "using the fin tips exclusively for the roll channel and the TVC correspondingly \
                    for the yaw stabilisation … may eliminate yaw-roll interaction and achieve \
                    better response times",
