@@ -259,8 +259,10 @@ mod tests {
         let axis = Axis::new("Q", "Pa").fit([0.0, 95_000_000.0].into_iter(), 6, 0.0);
         assert_eq!(axis.labels, ["0", "20", "40", "60", "80"]);
         assert_eq!(axis.title, "Q (10⁶ Pa)");
+        assert_eq!(axis.ends(), "0e0 9.5e1");
         let axis = Axis::new("Error", "").log().fit([-6.0, -1.0].into_iter(), 6, 0.0);
         assert_eq!(axis.labels, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1"]);
+        assert_eq!(axis.ends(), "log -6e0 -1e0");
     }
 
     proptest! {

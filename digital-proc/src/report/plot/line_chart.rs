@@ -243,7 +243,7 @@ fn limits_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
         }
         // Above the line unless a label stands there already or the frame ends.
         let taken = labels.iter().any(|other| (other.y + other.dy - (y - 3.0)).abs() < MARK_ROW);
-        let dy = if y < MARK_ROW || taken { 12.0 } else { -3.0 };
+        let dy = if y < MARK_ROW || taken { 13.0 } else { -3.0 };
         labels.push(Label { text: &limit.name, x: area.width, y, dx: -4.0, dy });
     }
     labels
