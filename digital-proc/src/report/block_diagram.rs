@@ -83,27 +83,25 @@ pub fn block_diagram(partition: &Partition) -> Markup {
         y += 46.0 + names.len() as f64 * 19.0;
     }
     html! {
-        svg.chart viewBox=(format!("0 0 9000 {:.0}", (height + 6.0) * 10.0)) role="img"
-            aria-label="Partition between the analog and the digital processor" style="max-width:900px" {
-            g transform="scale(10)" {
-                (column(8.0, "analog-proc", "continuous, in parallel", &partition.analog, height))
-                (column(612.0, "digital-proc", "sampled, in sequence", &partition.digital, height))
-                rect.hull x="316" y="6" width="268" height=(format!("{:.0}", height - 8.0)) rx="8" stroke-dasharray="5 4" {}
-                text.ti.px x="450" y="27" text-anchor="middle" { "interface" }
-                text.tt.px x="450" y="44" text-anchor="middle" { "frames of period T" }
-                @for (y, heading, names, digital_bound) in &lanes {
-                    @let (line, head) = if *digital_bound { ("fl", "fla") } else { ("fr", "fra") };
-                    @let arrow = y + 24.0;
-                    text.at.px x="450" y=(format!("{:.0}", y + 15.0)) text-anchor="middle" { (heading) }
-                    path.(line) d=(format!("M290 {arrow:.0}H610")) {}
-                    @if *digital_bound {
-                        path.(head) d=(format!("M611 {arrow:.0}l-11-5v10z")) {}
-                    } @else {
-                        path.(head) d=(format!("M289 {arrow:.0}l11-5v10z")) {}
-                    }
-                    @for (n, name) in names.iter().enumerate() {
-                        text.tt.px x="450" y=(format!("{:.0}", y + 42.0 + n as f64 * 19.0)) text-anchor="middle" { (name) }
-                    }
+        svg.chart viewBox=(format!("0 0 900 {:.0}", height + 6.0)) role="img" style="max-width:900px" {
+            title { "Partition between the analog and the digital processor" }
+            (column(8.0, "analog-proc", "continuous, in parallel", &partition.analog, height))
+            (column(612.0, "digital-proc", "sampled, in sequence", &partition.digital, height))
+            rect.hull x="316" y="6" width="268" height=(format!("{:.0}", height - 8.0)) rx="8" stroke-dasharray="5 4" {}
+            text.ti x="450" y="27" text-anchor="middle" { "interface" }
+            text.tt x="450" y="44" text-anchor="middle" { "frames of period T" }
+            @for (y, heading, names, digital_bound) in &lanes {
+                @let (line, head) = if *digital_bound { ("fl", "fla") } else { ("fr", "fra") };
+                @let arrow = y + 24.0;
+                text.at x="450" y=(format!("{:.0}", y + 15.0)) text-anchor="middle" { (heading) }
+                path.(line) d=(format!("M290 {arrow:.0}H610")) {}
+                @if *digital_bound {
+                    path.(head) d=(format!("M611 {arrow:.0}l-11-5v10z")) {}
+                } @else {
+                    path.(head) d=(format!("M289 {arrow:.0}l11-5v10z")) {}
+                }
+                @for (n, name) in names.iter().enumerate() {
+                    text.tt x="450" y=(format!("{:.0}", y + 42.0 + n as f64 * 19.0)) text-anchor="middle" { (name) }
                 }
             }
         }
@@ -114,12 +112,12 @@ pub fn block_diagram(partition: &Partition) -> Markup {
 fn column(x: f64, name: &str, kind: &str, blocks: &[String], height: f64) -> Markup {
     html! {
         rect.hull x=(x) y="6" width="280" height=(format!("{:.0}", height - 8.0)) rx="8" {}
-        text.ti.px x=(x + 140.0) y="27" text-anchor="middle" { (name) }
-        text.tt.px x=(x + 140.0) y="44" text-anchor="middle" { (kind) }
+        text.ti x=(x + 140.0) y="27" text-anchor="middle" { (name) }
+        text.tt x=(x + 140.0) y="44" text-anchor="middle" { (kind) }
         @for (row, block) in blocks.iter().enumerate() {
             @let y = TOP + row as f64 * PITCH;
             rect.box x=(x + 12.0) y=(y) width="256" height="24" rx="3" {}
-            text.lg.px x=(x + 140.0) y=(y + 16.5) text-anchor="middle" { (block) }
+            text.lg x=(x + 140.0) y=(y + 16.5) text-anchor="middle" { (block) }
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Reports: figures, tables and pages made from a run's data.
 //!
-//! Every component is a function from data to markup. A page is one file without scripts
-//! and without references to anything outside itself; it is read on a light or a dark
-//! screen and on paper. Nothing here judges: verdicts and numbers come from the caller.
+//! Every component is a function from data to markup. A page is one file without
+//! references to anything outside itself, complete without its script; it is read on a light
+//! or a dark screen and on paper. Nothing here judges: verdicts and numbers come from the caller.
 
 mod block_diagram;
 pub mod case_study;
@@ -10,8 +10,6 @@ mod claims;
 pub mod flight;
 pub mod format;
 pub mod gain_design;
-#[cfg(test)]
-mod gallery;
 pub mod long_period;
 pub mod pacing;
 mod page;

@@ -4,6 +4,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::theme::STYLE;
 
+/// What makes the charts answer the pointer; without it the page shows all the same.
+const SCRIPT: &str = include_str!("chart.js");
+
 /// One part of a page.
 #[derive(Clone, Debug)]
 pub struct Section {
@@ -101,6 +104,7 @@ pub fn page(title: &str, lead: &str, sections: &[Section]) -> String {
                     }
                 }
                 footer { "Generated from the run’s own data; the page refers to nothing outside itself." }
+                script { (PreEscaped(SCRIPT)) }
             }
         }
     }

@@ -29,7 +29,7 @@ figure:target{outline:2px solid var(--link);outline-offset:6px}
 figcaption{color:var(--soft);font-size:.9rem;max-width:46rem;margin:.2rem 0 .5rem}
 figcaption b{color:var(--ink)}
 .drawing{overflow-x:auto}
-.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,29rem),1fr));gap:0 2rem}
+.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,29rem),1fr));gap:.6rem 2rem}
 .wide{overflow-x:auto;max-width:100%}
 table{border-collapse:collapse;font-size:.92rem;margin:.4rem 0;font-variant-numeric:tabular-nums}
 caption{caption-side:top;text-align:left;color:var(--soft);padding-bottom:.4rem}
@@ -56,32 +56,42 @@ blockquote{margin:0}
 dl{display:grid;grid-template-columns:max-content minmax(0,1fr);gap:.25rem 1.2rem;font-size:.92rem}
 dt{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}
 footer{margin-top:3rem;color:var(--soft);font-size:.85rem;border-top:1px solid var(--rule);padding-top:.6rem}
-svg.chart{display:block;width:100%;min-width:30rem;height:auto;font-family:inherit}
-svg.chart text{fill:var(--ink);font-size:125px}
-svg.chart .tt{fill:var(--soft);font-size:120px}
-svg.chart .at{font-size:130px}
-svg.chart .ti{font-size:145px;font-weight:600}
-svg.chart .mt,svg.chart .lt{font-size:118px;paint-order:stroke;stroke:var(--bg);stroke-width:36px;stroke-linejoin:round}
+.tornado{width:100%;max-width:52rem}
+.tornado caption{color:var(--ink)}
+.tornado .bars{position:relative;width:50%;min-width:11rem;background:linear-gradient(var(--soft),var(--soft)) var(--n,-9rem) 0/1px 100% no-repeat}
+.bars i{position:absolute;height:36%}
+.bars .lower{top:14%;background:var(--s0)}.bars .upper{bottom:14%;background:var(--s1)}
+.tornado th.n:nth-child(2){box-shadow:inset 0 3px var(--s0)}.tornado th.n:nth-child(4){box-shadow:inset 0 3px var(--s1)}
+.tornado tbody th{font-weight:400;white-space:nowrap}.tornado td,.tornado tbody th{padding-block:.2rem}
+svg.chart{display:block;width:100%;min-width:30rem;height:auto;font-family:inherit;font-size:12.5px;fill:var(--ink)}
+svg.chart .tt{fill:var(--soft);font-size:12px}
+svg.chart .at{font-size:13px}
+svg.chart .ti{font-size:14.5px;font-weight:600}
+svg.chart .mt,svg.chart .lt{font-size:11.8px;paint-order:stroke;stroke:var(--bg);stroke-width:3.6px;stroke-linejoin:round}
 svg.chart .mt{fill:var(--soft)}svg.chart .lt{fill:var(--bad)}
-svg.chart .px{font-size:12.5px}svg.chart .ti.px{font-size:14.5px;font-weight:600}svg.chart .mt.px{stroke-width:3.6px}
-svg.chart .ax{stroke:var(--soft);stroke-width:10}svg.chart .gr{stroke:var(--grid);stroke-width:9}svg.chart .gm{stroke:var(--grid);stroke-width:5}
-svg.chart line.px{stroke-width:1.2}svg.chart line.gr.px{stroke-width:.9}
-svg.chart .li{stroke:var(--bad);stroke-width:14;stroke-dasharray:90 40}
-svg.chart .mk{stroke:var(--soft);stroke-width:9;stroke-dasharray:30 40}
-svg.chart [class^=l]{stroke-linejoin:round;stroke-linecap:butt}
-svg.chart [class^=m]:not(text):not(.mk){fill:var(--bg)}
-svg.chart .l0,svg.chart .l1,svg.chart .l2,svg.chart .l3,svg.chart .l4,svg.chart .l5,svg.chart .l6,svg.chart .l7{stroke-width:19}
-svg.chart .l1{stroke-dasharray:95 45}svg.chart .l2{stroke-dasharray:26 30;stroke-width:22}svg.chart .l3{stroke-dasharray:130 38 26 38}
-svg.chart .l4{stroke-dasharray:60 30}svg.chart .l5{stroke-dasharray:130 34 26 30 26 34}svg.chart .l6{stroke-dasharray:200 50}svg.chart .l7{stroke-dasharray:44 44}
-svg.chart .m0,svg.chart .m1,svg.chart .m2,svg.chart .m3,svg.chart .m4,svg.chart .m5,svg.chart .m6,svg.chart .m7{stroke-width:16}
-svg.chart .l0,svg.chart .m0{stroke:var(--s0)}svg.chart .l1,svg.chart .m1{stroke:var(--s1)}svg.chart .l2,svg.chart .m2{stroke:var(--s2)}svg.chart .l3,svg.chart .m3{stroke:var(--s3)}
-svg.chart .l4,svg.chart .m4{stroke:var(--s4)}svg.chart .l5,svg.chart .m5{stroke:var(--s5)}svg.chart .l6,svg.chart .m6{stroke:var(--s6)}svg.chart .l7,svg.chart .m7{stroke:var(--s7)}
-svg.chart .b0{fill:var(--s0)}svg.chart .b1{fill:var(--s1);fill-opacity:.75}svg.chart .b2{fill:var(--s2)}svg.chart .b3{fill:var(--s3)}
-svg.chart .box{fill:var(--panel);stroke:var(--soft);stroke-width:1.1}
-svg.chart .hull{fill:none;stroke:var(--rule);stroke-width:1.4}
-svg.chart .fl{stroke:var(--s0);stroke-width:1.8;fill:none}svg.chart .fr{stroke:var(--s1);stroke-width:1.8;fill:none}
-svg.chart .fla{fill:var(--s0)}svg.chart .fra{fill:var(--s1)}
+.plot{overflow:visible}.plot.cut{overflow:hidden}
+.axes path,.plot polyline,.key polyline,.hit{fill:none;stroke-linejoin:round}
+.ax{stroke:var(--soft)}.gr{stroke:var(--grid);stroke-width:.9}.gm{stroke:var(--grid);stroke-width:.5}
+.li{stroke:var(--bad);stroke-width:1.4;stroke-dasharray:9 4}
+.mk{stroke:var(--soft);stroke-width:.9;stroke-dasharray:3 4}
+.l0,.l1,.l2,.l3,.l4,.l5,.l6,.l7{stroke-width:1.9}
+.l1{stroke-dasharray:9.5 4.5}.l2{stroke-dasharray:2.6 3;stroke-width:2.2}.l3{stroke-dasharray:13 3.8 2.6 3.8}
+.l4{stroke-dasharray:6 3}.l5{stroke-dasharray:13 3.4 2.6 3 2.6 3.4}.l6{stroke-dasharray:20 5}.l7{stroke-dasharray:4.4 4.4}
+.m0,.m1,.m2,.m3,.m4,.m5,.m6,.m7{fill:var(--bg);stroke-width:1.6}
+.l0,.m0{stroke:var(--s0)}.l1,.m1{stroke:var(--s1)}.l2,.m2{stroke:var(--s2)}.l3,.m3{stroke:var(--s3)}
+.l4,.m4{stroke:var(--s4)}.l5,.m5{stroke:var(--s5)}.l6,.m6{stroke:var(--s6)}.l7,.m7{stroke:var(--s7)}
+.b0{fill:var(--s0)}
+.hit{pointer-events:all}.key[role=button]{cursor:pointer}.key.off{opacity:.4}.series.off{display:none}
+.axes+.plot~.hit{cursor:crosshair}
+.cross{fill:none;stroke:var(--soft);stroke-width:.8;pointer-events:none}
+.pick{fill:var(--link);fill-opacity:.15;stroke:var(--link);pointer-events:none}
+#values{position:fixed;z-index:1;pointer-events:none;background:var(--bg);border:1px solid var(--rule);border-radius:4px;padding:.2rem .5rem;font-size:.85rem;line-height:1.35;font-variant-numeric:tabular-nums;white-space:nowrap;box-shadow:0 1px 5px #0003}
+#values div{border-left:.6rem solid;padding-left:.4rem}#values span{color:var(--ink)}
+.box{fill:var(--panel);stroke:var(--soft);stroke-width:1.1}
+.hull{fill:none;stroke:var(--rule);stroke-width:1.4}
+.fl{stroke:var(--s0);stroke-width:1.8;fill:none}.fr{stroke:var(--s1);stroke-width:1.8;fill:none}
+.fla{fill:var(--s0)}.fra{fill:var(--s1)}
 @media (max-width:40rem){html{font-size:15px}nav ol{columns:1}dl{grid-template-columns:1fr}dd{margin-bottom:.4rem}}
 @media print{@page{margin:16mm}html{font-size:10.5pt}body{max-width:none;padding:0}a{color:inherit;text-decoration:none}nav{border:0;padding:0}
-.heat td,.ramp{print-color-adjust:exact;-webkit-print-color-adjust:exact}h2,h3{break-after:avoid}.drawing,.wide{overflow:visible}svg.chart{min-width:0}.heat th:first-child{position:static}.pair{grid-template-columns:1fr 1fr}}
+#values,.cross{display:none}.heat td,.ramp,.tornado .bars,.bars i{print-color-adjust:exact;-webkit-print-color-adjust:exact}h2,h3{break-after:avoid}.drawing,.wide{overflow:visible}svg.chart{min-width:0}.heat th:first-child{position:static}.pair{grid-template-columns:1fr 1fr}}
 "#;

@@ -1,9 +1,5 @@
 //! An axis: what it is labelled, how far it reaches, where its ticks stand.
 
-use std::ops::Range;
-
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
-
 use super::super::format::superscript;
 use super::drawable;
 
@@ -127,7 +123,17 @@ impl Axis {
                 }
             })
             .collect();
-        FittedAxis { low, high, ticks, labels, minor: Vec::new(), title: self.title(exponent) }
+        let title = self.title(exponent);
+        FittedAxis {
+            low,
+            high,
+            ticks,
+            labels,
+            minor: Vec::new(),
+            title,
+            scale: self.scale,
+            exponent,
+        }
     }
 
     fn logarithmic(&self, low: f64, high: f64, about: usize) -> FittedAxis {
@@ -163,7 +169,8 @@ impl Axis {
                 labels.push(decade_label(decade, 1.0));
             }
         }
-        FittedAxis { low, high, ticks, labels, minor, title: self.title(0) }
+        let title = self.title(0);
+        FittedAxis { low, high, ticks, labels, minor, title, scale: self.scale, exponent: 0 }
     }
 
     /// `Altitude (km)`; a common power of ten of the labels goes with the unit.
@@ -178,7 +185,6 @@ impl Axis {
 }
 
 /// An axis with its range and ticks settled, in mapped coordinates.
-#[derive(Clone)]
 pub(super) struct FittedAxis {
     pub(super) low: f64,
     pub(super) high: f64,
@@ -186,46 +192,29 @@ pub(super) struct FittedAxis {
     pub(super) labels: Vec<String>,
     pub(super) minor: Vec<f64>,
     pub(super) title: String,
+    scale: Scale,
+    /// The power of ten that stands with the unit.
+    exponent: i32,
 }
 
 impl FittedAxis {
+    /// How far along the axis a mapped value stands, 0 at the lower end and 1 at the upper; what
+    /// is far outside comes no farther than a browser can draw.
+    pub(super) fn share(&self, mapped: f64) -> f64 {
+        ((mapped - self.low) / (self.high - self.low)).clamp(-300.0, 300.0)
+    }
+
+    /// Lower and upper end for the page's script, in the labels' unit or, after `log`, as
+    /// logarithms.
+    pub(super) fn ends(&self) -> String {
+        let unit = libm::pow(10.0, f64::from(self.exponent));
+        let scale = if self.scale == Scale::Log { "log " } else { "" };
+        format!("{scale}{:e} {:e}", self.low / unit, self.high / unit)
+    }
+
     /// The longest label, in characters.
     pub(super) fn widest(&self) -> usize {
         self.labels.iter().map(|label| label.chars().count()).max().unwrap_or(1)
-    }
-}
-
-/// plotters draws grid lines at the key points and asks for their labels.
-impl Ranged for FittedAxis {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
-        let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
-        start + (share * f64::from(end - start)).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() { self.minor.clone() } else { self.ticks.clone() }
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for FittedAxis {
-    fn format(_: &f64) -> String {
-        // Without its axis a value has no label; plotters calls the method below.
-        String::new()
-    }
-
-    fn format_ext(&self, value: &f64) -> String {
-        self.ticks
-            .iter()
-            .position(|tick| tick == value)
-            .map(|index| self.labels[index].clone())
-            .unwrap_or_default()
     }
 }
 
@@ -270,8 +259,10 @@ mod tests {
         let axis = Axis::new("Q", "Pa").fit([0.0, 95_000_000.0].into_iter(), 6, 0.0);
         assert_eq!(axis.labels, ["0", "20", "40", "60", "80"]);
         assert_eq!(axis.title, "Q (10⁶ Pa)");
+        assert_eq!(axis.ends(), "0e0 9.5e1");
         let axis = Axis::new("Error", "").log().fit([-6.0, -1.0].into_iter(), 6, 0.0);
         assert_eq!(axis.labels, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1"]);
+        assert_eq!(axis.ends(), "log -6e0 -1e0");
     }
 
     proptest! {
@@ -284,6 +275,10 @@ mod tests {
             prop_assert!((fitted.high - fitted.low).is_finite());
             prop_assert!(fitted.ticks.len() <= 51 && fitted.ticks.len() == fitted.labels.len());
             prop_assert!(fitted.ticks.windows(2).all(|pair| pair[0] < pair[1]));
+            if let (false, [first, second, ..]) = (log, &fitted.ticks[..]) {
+                let step = format!("{:.6e}", second - first);
+                prop_assert!(["1.0", "2.0", "5.0"].iter().any(|nice| step.starts_with(nice)), "{step}");
+            }
         }
     }
 }

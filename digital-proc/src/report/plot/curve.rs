@@ -1,12 +1,15 @@
-//! One series on its way to the page: mapped, cut at gaps, thinned, clipped.
+//! One series on its way to the page: mapped, cut at gaps, thinned.
 
-use super::canvas::{Canvas, Role};
+use maud::{Markup, html};
+
 use super::decimate;
+use super::frame::Area;
 use super::line_chart::{Draw, LineChart, Series};
+use super::pen::{Point, markers, polyline};
 
-/// A series in mapped coordinates, cut at its gaps.
+/// A series, its points mapped by the axes, cut at its gaps.
 pub(super) struct Curve {
-    pub(super) runs: Vec<Vec<(f64, f64)>>,
+    pub(super) runs: Vec<Vec<Point>>,
     draw: Draw,
     pub(super) style: usize,
     ascending: bool,
@@ -30,106 +33,39 @@ impl Curve {
         Curve { runs, draw: series.draw, style, ascending }
     }
 
-    pub(super) fn draw(&self, canvas: &Canvas<'_>) {
-        let mut markers = Vec::new();
-        for run in &self.runs {
-            let mut points: Vec<(i32, i32)> = if self.ascending {
-                let heights: Vec<f64> = run.iter().map(|point| point.1).collect();
-                decimate::extremes(&heights)
-                    .into_iter()
-                    .map(|i| canvas.at(run[i].0, run[i].1))
-                    .collect()
-            } else {
-                let all: Vec<(i32, i32)> = run.iter().map(|p| canvas.at(p.0, p.1)).collect();
-                decimate::spaced(&all, 5).into_iter().map(|i| all[i]).collect()
-            };
-            if matches!(self.draw, Draw::Markers | Draw::LineAndMarkers) {
-                markers.extend_from_slice(&points);
+    /// A line a run, and all markers.
+    pub(super) fn draw(&self, area: &Area<'_>) -> Markup {
+        let runs: Vec<Vec<Point>> = self.runs.iter().map(|run| self.thinned(run, area)).collect();
+        html! {
+            @if self.draw.line() {
+                @for run in &runs { (polyline(&format!("l{}", self.style), &self.corners(run))) }
             }
-            if self.draw == Draw::Step {
-                points = held(&points);
-            }
-            if self.draw != Draw::Markers {
-                if let [only] = points[..] {
-                    // A lone point between gaps would leave no trace as a line.
-                    points = vec![(only.0 - 10, only.1), (only.0 + 10, only.1)];
-                }
-                for piece in clipped(&points, canvas.area) {
-                    canvas.path(piece, Role::Line(self.style));
-                }
-            }
-        }
-        let (left, top, right, bottom) = canvas.area;
-        for (x, y) in markers {
-            if (left..=right).contains(&x) && (top..=bottom).contains(&y) {
-                canvas.marker((x, y), self.style);
+            @if self.draw.marker() {
+                (markers(self.style, &runs.concat()))
             }
         }
     }
-}
 
-/// The corners of a staircase through `points`.
-fn held(points: &[(i32, i32)]) -> Vec<(i32, i32)> {
-    let mut corners = Vec::with_capacity(points.len() * 2);
-    for (i, &(x, y)) in points.iter().enumerate() {
-        if i > 0 {
-            corners.push((x, points[i - 1].1));
+    /// As many points of a run as a figure can show, where they stand.
+    fn thinned(&self, run: &[Point], area: &Area<'_>) -> Vec<Point> {
+        let at = |&(x, y): &Point| area.at(x, y);
+        if self.ascending {
+            let heights: Vec<f64> = run.iter().map(|point| point.1).collect();
+            return decimate::extremes(&heights).into_iter().map(|i| at(&run[i])).collect();
         }
-        corners.push((x, y));
+        decimate::spaced(&run.iter().map(at).collect::<Vec<_>>(), 0.5)
     }
-    corners
-}
 
-/// The parts of a path inside the area, cut where it crosses the border.
-fn clipped(points: &[(i32, i32)], area: (i32, i32, i32, i32)) -> Vec<Vec<(i32, i32)>> {
-    let (left, top, right, bottom) = area;
-    let inside = |&(x, y): &(i32, i32)| (left..=right).contains(&x) && (top..=bottom).contains(&y);
-    if points.iter().all(inside) {
-        return vec![points.to_vec()];
-    }
-    let mut pieces: Vec<Vec<(i32, i32)>> = Vec::new();
-    for pair in points.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let (dx, dy) = (f64::from(to.0 - from.0), f64::from(to.1 - from.1));
-        // The share of the segment between each pair of parallel borders.
-        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        for (start, delta, low, high) in [(from.0, dx, left, right), (from.1, dy, top, bottom)] {
-            let (low, high) = (f64::from(low - start), f64::from(high - start));
-            if delta == 0.0 {
-                if low > 0.0 || high < 0.0 {
-                    leave = -1.0;
-                }
-            } else {
-                let (a, b) = (low / delta, high / delta);
-                enter = enter.max(a.min(b));
-                leave = leave.min(a.max(b));
+    /// What a line through a run passes.
+    fn corners(&self, run: &[Point]) -> Vec<Point> {
+        match run {
+            // A lone point between gaps would leave no trace as a line.
+            &[(x, y)] => vec![(x - 1.0, y), (x + 1.0, y)],
+            [first, ..] if self.draw == Draw::Step => {
+                let stairs = run.windows(2).flat_map(|pair| [(pair[1].0, pair[0].1), pair[1]]);
+                std::iter::once(*first).chain(stairs).collect()
             }
+            _ => run.to_vec(),
         }
-        if enter > leave {
-            continue;
-        }
-        let at = |share: f64| {
-            (from.0 + (dx * share).round() as i32, from.1 + (dy * share).round() as i32)
-        };
-        let (start, end) = (at(enter), at(leave));
-        match pieces.last_mut() {
-            Some(piece) if piece.last() == Some(&start) => piece.push(end),
-            _ => pieces.push(vec![start, end]),
-        }
-    }
-    pieces
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_is_cut_at_the_border() {
-        let path = [(0, 50), (200, 50), (200, 80), (50, 80)];
-        assert_eq!(
-            clipped(&path, (10, 0, 100, 100)),
-            [vec![(10, 50), (100, 50)], vec![(100, 80), (50, 80)]]
-        );
     }
 }

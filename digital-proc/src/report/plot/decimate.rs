@@ -4,6 +4,8 @@
 //! pixel columns. Points are dropped only where the picture cannot show them; the extremes
 //! of every column stay, so that no spike is lost.
 
+use super::pen::Point;
+
 /// Buckets over a series; each keeps first, lowest, highest and last.
 const BUCKETS: usize = 200;
 
@@ -35,23 +37,21 @@ pub(super) fn extremes(y: &[f64]) -> Vec<usize> {
     kept
 }
 
-/// For curves that turn back (a phase plane): indices of points at least `tolerance` apart,
-/// which is doubled until at most 4000 remain.
-pub(super) fn spaced(points: &[(i32, i32)], mut tolerance: i32) -> Vec<usize> {
+/// For curves that turn back (a phase plane): points at least `tolerance` pixels apart, which is
+/// doubled until at most 4000 remain.
+pub(super) fn spaced(points: &[Point], mut tolerance: f64) -> Vec<Point> {
     loop {
-        let mut kept = vec![0];
-        let mut last = points.first().copied().unwrap_or_default();
+        let mut kept: Vec<Point> = Vec::new();
         for (i, &(x, y)) in points.iter().enumerate() {
-            if (x - last.0).abs().max((y - last.1).abs()) >= tolerance || i + 1 == points.len() {
-                kept.push(i);
-                last = (x, y);
+            let far = |last: &Point| (x - last.0).abs().max((y - last.1).abs()) >= tolerance;
+            if kept.last().is_none_or(far) || i + 1 == points.len() {
+                kept.push((x, y));
             }
         }
-        if kept.len() <= 4_000 || tolerance > 1 << 20 {
-            kept.dedup();
+        if kept.len() <= 4_000 {
             return kept;
         }
-        tolerance *= 2;
+        tolerance *= 2.0;
     }
 }
 
@@ -72,13 +72,14 @@ mod tests {
 
     #[test]
     fn a_long_spiral_is_thinned() {
-        let points: Vec<(i32, i32)> = (0..100_000)
+        let points: Vec<Point> = (0..100_000)
             .map(|n| {
                 let a = f64::from(n) * 0.01;
-                ((a.cos() * 3000.0) as i32, (a.sin() * 3000.0) as i32)
+                (a.cos() * 300.0, a.sin() * 300.0)
             })
             .collect();
-        let kept = spaced(&points, 5);
+        let kept = spaced(&points, 0.5);
         assert!(kept.len() <= 4_000 && kept.len() > 500);
+        assert_eq!((kept[0], kept.last()), (points[0], points.last()));
     }
 }

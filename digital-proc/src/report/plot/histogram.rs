@@ -1,10 +1,11 @@
 //! How often each value came: latencies, overruns, dispersions.
 
-use maud::Markup;
+use maud::{Markup, html};
 
 use super::axis::{Axis, Scale};
-use super::canvas::frame;
+use super::frame::frame;
 use super::line_chart::Size;
+use super::pen::Px;
 
 /// What a histogram shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,16 +45,17 @@ pub fn histogram(spec: &Histogram) -> Markup {
         ..Axis::new("Count", "")
     };
     let y = counting.fit(std::iter::empty(), 6, 0.0);
-    frame(&spec.title, spec.size, &x, &y, &[], 0, |canvas| {
-        let width = (x.high - x.low) / bins as f64;
-        for (bin, &count) in counts.iter().enumerate() {
-            let Some(height) = counting.map(count as f64).filter(|_| count > 0) else {
-                continue;
-            };
-            let from = canvas.at(x.low + width * bin as f64, height);
-            let to = canvas.at(x.low + width * (bin + 1) as f64, y.low);
-            // A hair of air between bars keeps them apart in print.
-            canvas.bar((from.0 + 4, from.1), (to.0 - 4, to.1), 0);
+    let width = (x.high - x.low) / bins as f64;
+    frame(&spec.title, spec.size, (&x, &y), &[], 0.0, |area| {
+        html! {
+            @for (bin, &count) in counts.iter().enumerate() {
+                @if let Some(height) = counting.map(count as f64).filter(|_| count > 0) {
+                    @let (from, top) = area.at(x.low + width * bin as f64, height);
+                    @let (to, foot) = area.at(x.low + width * (bin + 1) as f64, y.low);
+                    // A hair of air between bars keeps them apart in print.
+                    rect.b0 x=(Px(from + 0.4)) y=(Px(top)) width=(Px(to - from - 0.8)) height=(Px(foot - top)) {}
+                }
+            }
         }
     })
 }

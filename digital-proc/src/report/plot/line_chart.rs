@@ -1,12 +1,12 @@
 //! Curves over one pair of axes: time histories, sweeps, theory against measurement.
 
-use maud::Markup;
-use plotters::style::text_anchor::{HPos, VPos};
+use maud::{Markup, html};
 
 use super::STYLES;
 use super::axis::Axis;
-use super::canvas::{CHARACTER, Canvas, Key, Role, frame};
 use super::curve::Curve;
+use super::frame::{Area, CHARACTER, Key, frame};
+use super::pen::{Px, polyline};
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +19,16 @@ pub enum Draw {
     Markers,
     /// Both.
     LineAndMarkers,
+}
+
+impl Draw {
+    pub(super) fn line(self) -> bool {
+        self != Draw::Markers
+    }
+
+    pub(super) fn marker(self) -> bool {
+        matches!(self, Draw::Markers | Draw::LineAndMarkers)
+    }
 }
 
 /// One curve. Where `x` or `y` is not finite (or the shorter of them ends) it has a gap.
@@ -151,8 +161,8 @@ impl LineChart {
     }
 }
 
-/// Height of a row of event labels, in drawing units.
-const MARK_ROW: i32 = 150;
+/// Height of a row of event labels.
+const MARK_ROW: f64 = 15.0;
 
 /// The chart as SVG for [`mod@crate::report::page`].
 pub fn line_chart(chart: &LineChart) -> Markup {
@@ -180,81 +190,89 @@ pub fn line_chart(chart: &LineChart) -> Markup {
         .series
         .iter()
         .zip(&curves)
-        .filter(|(series, _)| !series.name.is_empty())
-        .map(|(series, curve)| Key {
+        .enumerate()
+        .filter(|(_, (series, _))| !series.name.is_empty())
+        .map(|(i, (series, curve))| Key {
             name: series.name.clone(),
-            line: (series.draw != Draw::Markers).then_some(curve.style),
-            marker: matches!(series.draw, Draw::Markers | Draw::LineAndMarkers)
-                .then_some(curve.style),
-            bar: None,
+            series: i,
+            style: curve.style,
+            line: series.draw.line(),
+            marker: series.draw.marker(),
         })
         .collect();
-    let headroom = if chart.marks.is_empty() { 0 } else { MARK_ROW };
-    frame(&chart.title, chart.size, &x, &y, &keys, headroom, |canvas| {
-        draw_marks(canvas, chart);
-        draw_limits(canvas, chart);
-        for curve in &curves {
-            curve.draw(canvas);
-        }
-        if points().next().is_none() {
-            let (left, top, right, bottom) = canvas.area;
-            let middle = ((left + right) / 2, (top + bottom) / 2);
-            canvas.text("no data", middle, Role::MarkText, HPos::Center, VPos::Center);
+    let headroom = if chart.marks.is_empty() { 0.0 } else { MARK_ROW };
+    frame(&chart.title, chart.size, (&x, &y), &keys, headroom, |area| {
+        let cut = points().any(|&(x, y)| !area.holds(area.at(x, y)));
+        let (limits, marks) = (limits_in(area, chart), marks_in(area, chart));
+        html! {
+            svg.plot.cut[cut] width=(Px(area.width)) height=(Px(area.height)) data-x=(x.ends()) data-y=(y.ends()) {
+                @for mark in &marks { (polyline("mk", &[(mark.x, 0.0), (mark.x, area.height)])) }
+                @for limit in &limits { (polyline("li", &[(0.0, limit.y), (area.width, limit.y)])) }
+                @for (curve, series) in curves.iter().zip(&chart.series) {
+                    g.series data-name=(if series.name.is_empty() { &y.title } else { &series.name }) { (curve.draw(area)) }
+                }
+            }
+            @for (class, label) in marks.iter().map(|mark| ("mt", mark)).chain(limits.iter().map(|limit| ("lt", limit))) {
+                text class=(class) x=(Px(label.x)) y=(Px(label.y)) dx=(label.dx) dy=(label.dy) text-anchor=(if label.dx > 0.0 { "start" } else { "end" }) { (label.text) }
+            }
+            @if points().next().is_none() {
+                text.mt x=(Px(area.width / 2.0)) y=(Px(area.height / 2.0)) text-anchor="middle" { "no data" }
+            }
         }
     })
 }
 
-fn draw_limits(canvas: &Canvas<'_>, chart: &LineChart) {
-    let (left, top, right, bottom) = canvas.area;
-    let mut labelled: Vec<i32> = Vec::new();
+/// The label of a limit or a mark: the place on its line, and how far from it the text stands.
+struct Label<'a> {
+    text: &'a str,
+    x: f64,
+    y: f64,
+    dx: f64,
+    dy: f64,
+}
+
+fn limits_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
+    let mut labels: Vec<Label<'a>> = Vec::new();
     for limit in &chart.limits {
         let Some(value) = chart.y.map(limit.value) else {
             continue;
         };
-        let (_, y) = canvas.at(0.0, value);
-        if !(top..=bottom).contains(&y) {
+        let (_, y) = area.at(0.0, value);
+        if !(0.0..=area.height).contains(&y) {
             continue;
         }
-        canvas.path(vec![(left, y), (right, y)], Role::Limit);
         // Above the line unless a label stands there already or the frame ends.
-        let above = y - 30;
-        let taken = |at: i32| labelled.iter().any(|other| (other - at).abs() < 150);
-        let (at, anchor) = if above - 120 < top || taken(above) {
-            (y + 30, VPos::Top)
-        } else {
-            (above, VPos::Bottom)
-        };
-        labelled.push(at);
-        canvas.text(&limit.name, (right - 40, at), Role::LimitText, HPos::Right, anchor);
+        let taken = labels.iter().any(|other| (other.y + other.dy - (y - 3.0)).abs() < MARK_ROW);
+        let dy = if y < MARK_ROW || taken { 13.0 } else { -3.0 };
+        labels.push(Label { text: &limit.name, x: area.width, y, dx: -4.0, dy });
     }
+    labels
 }
 
-fn draw_marks(canvas: &Canvas<'_>, chart: &LineChart) {
-    let (left, top, right, bottom) = canvas.area;
-    let mut marks: Vec<(i32, &str)> = chart
+fn marks_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
+    let mut marks: Vec<(f64, &str)> = chart
         .marks
         .iter()
-        .filter_map(|mark| Some((canvas.at(chart.x.map(mark.x)?, 0.0).0, mark.name.as_str())))
-        .filter(|(x, _)| (left..=right).contains(x))
+        .filter_map(|mark| Some((area.at(chart.x.map(mark.x)?, 0.0).0, mark.name.as_str())))
+        .filter(|(x, _)| (0.0..=area.width).contains(x))
         .collect();
-    marks.sort_by_key(|(x, _)| *x);
+    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Labels stand above the plotting area; those that would touch move down a row.
-    let mut row_ends: Vec<i32> = Vec::new();
-    for (x, name) in marks {
-        canvas.path(vec![(x, top), (x, bottom)], Role::Mark);
-        let width = name.chars().count() as i32 * CHARACTER;
-        let before = x + 40 + width > right;
-        let (start, end) = if before { (x - 40 - width, x) } else { (x, x + 80 + width) };
-        let row = row_ends.iter().position(|&row_end| row_end <= start).unwrap_or(row_ends.len());
-        if row == row_ends.len() {
-            row_ends.push(end);
-        } else {
+    let mut row_ends: Vec<f64> = Vec::new();
+    marks
+        .into_iter()
+        .map(|(x, text)| {
+            let width = text.chars().count() as f64 * CHARACTER;
+            let before = x + 4.0 + width > area.width;
+            let (start, end) = if before { (x - 4.0 - width, x) } else { (x, x + 8.0 + width) };
+            let row = row_ends.iter().position(|&row_end| row_end <= start);
+            let row = row.unwrap_or(row_ends.len());
+            row_ends.resize(row_ends.len().max(row + 1), end);
             row_ends[row] = end;
-        }
-        let at = top - 30 + row as i32 * MARK_ROW;
-        let (at_x, anchor) = if before { (x - 30, HPos::Right) } else { (x + 30, HPos::Left) };
-        canvas.text(name, (at_x, at), Role::MarkText, anchor, VPos::Bottom);
-    }
+            let dx = if before { -3.0 } else { 3.0 };
+            Label { text, x, y: 0.0, dx, dy: row as f64 * MARK_ROW - 3.0 }
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -290,8 +308,78 @@ mod tests {
         fn any_data_draws(chart in any_chart()) {
             let svg = line_chart(&chart).into_string();
             prop_assert!(svg.starts_with("<svg") && svg.ends_with("</svg>"));
-            prop_assert!(!svg.contains("NaN") && !svg.contains("#01"));
+            prop_assert!(!svg.contains("NaN") && !svg.contains("inf"));
         }
+    }
+
+    /// The points of every line of the series, as written.
+    fn lines(svg: &str) -> Vec<&str> {
+        let (_, series) = svg.split_once("class=\"series\"").unwrap();
+        let points = series.split("points=\"").skip(1);
+        points.map(|rest| rest.split_once('"').unwrap().0).collect()
+    }
+
+    #[test]
+    fn a_known_point_lands_at_its_place() {
+        let chart = |x: Axis, at: [f64; 3]| {
+            let y = Axis::new("y", "").range(-1.0, 1.0);
+            LineChart::new("t", x, y, vec![Series::line("s", &at, &[-1.0, 0.5, 1.0])])
+        };
+        // `−0.5` is the longest label: 36 + 4 · 6.8 on the left, 16 on the right; title, legend and
+        // abscissa take 36, 20 and 45.
+        let (width, height) = (760.0 - 36.0 - 4.0 * 6.8 - 16.0, 400.0 - 36.0 - 20.0 - 45.0);
+        let place = format!("0,{height} {:.1},{:.1} {width},0", width / 4.0, height / 4.0);
+        let linear = line_chart(&chart(Axis::new("x", "s").range(10.0, 50.0), [10.0, 20.0, 50.0]));
+        assert_eq!(lines(&linear.into_string()), [place.as_str()]);
+        let log = line_chart(&chart(Axis::new("x", "s").log(), [1e-2, 1e-1, 1e2]));
+        assert_eq!(lines(&log.into_string()), [place.as_str()]);
+    }
+
+    #[test]
+    fn a_gap_breaks_the_line() {
+        let nan = f64::NAN;
+        let (x, y) = ([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 1.0, nan, 1.0, nan, 1.0]);
+        let axes = || (Axis::new("x", ""), Axis::new("y", ""));
+        let drawn = |draw: Draw| {
+            let series = vec![Series::line("", &x, &y).draw(draw)];
+            line_chart(&LineChart::new("", axes().0, axes().1, series)).into_string()
+        };
+        let svg = drawn(Draw::Line);
+        let counts: Vec<usize> = lines(&svg).iter().map(|line| line.split(' ').count()).collect();
+        // Two points, then one between gaps, drawn as a short stroke, and one at the end.
+        assert_eq!(counts, [2, 2, 2]);
+        assert_eq!(drawn(Draw::Markers).matches("m-3.6,0a").count(), 4);
+        // A value that is held makes a corner before the next.
+        assert_eq!(lines(&drawn(Draw::Step))[0].split(' ').count(), 3);
+    }
+
+    #[test]
+    fn only_what_leaves_a_given_range_is_cut() {
+        let chart = |high: f64| {
+            let y = Axis::new("y", "").range(0.0, high);
+            LineChart::new(
+                "",
+                Axis::new("x", ""),
+                y,
+                vec![Series::line("", &[0.0, 1.0], &[0.0, 2.0])],
+            )
+        };
+        assert!(line_chart(&chart(2.0)).into_string().contains("<svg class=\"plot\""));
+        assert!(line_chart(&chart(1.5)).into_string().contains("<svg class=\"plot cut\""));
+    }
+
+    #[test]
+    fn names_are_escaped() {
+        let name = "a<b>&\"c\"";
+        let axis = || Axis::new(name, "");
+        let series = vec![Series::line(name, &[0.0, 1.0], &[0.0, 1.0])];
+        let svg = line_chart(
+            &LineChart::new(name, axis(), axis(), series).limit(0.5, name).mark(0.5, name),
+        );
+        let svg = svg.into_string();
+        assert!(!svg.contains("<b>") && !svg.contains("&\""), "{svg}");
+        // Title twice, legend, both axes, limit, mark, and the series itself.
+        assert_eq!(svg.matches("a&lt;b&gt;&amp;&quot;c&quot;").count(), 8, "{svg}");
     }
 
     #[test]

@@ -6,13 +6,14 @@
 //! chart with nothing to draw says so in its frame.
 
 mod axis;
-mod canvas;
 mod compared;
 mod curve;
 mod decimate;
+mod frame;
 mod heat_map;
 mod histogram;
 mod line_chart;
+mod pen;
 mod tornado;
 
 pub use axis::{Axis, Scale};

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::super::format::typeset;
+use super::super::format::{typeset, with_unit};
 use super::axis::Axis;
 
 /// One dispersion and what it does to the result.
@@ -29,80 +29,58 @@ pub struct Tornado {
     pub bars: Vec<TornadoBar>,
 }
 
-/// The plot as SVG.
+/// The plot as a table: both results as numbers, and their bars from the nominal one.
 pub fn tornado(spec: &Tornado) -> Markup {
-    let mut bars: Vec<&TornadoBar> = spec.bars.iter().collect();
+    let extent = |values: &mut dyn Iterator<Item = f64>| {
+        let mapped = values.filter_map(|value| spec.x.map(value));
+        mapped.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    };
     let span = |bar: &TornadoBar| {
-        let reach = [bar.low, bar.high, spec.nominal].map(|v| spec.x.map(v));
-        let all = reach.iter().flatten();
-        let (low, high) =
-            all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let (low, high) = extent(&mut [bar.low, bar.high, spec.nominal].into_iter());
         high - low
     };
+    let mut bars: Vec<&TornadoBar> = spec.bars.iter().collect();
     bars.sort_by(|a, b| span(b).total_cmp(&span(a)));
-    let values = bars.iter().flat_map(|bar| [bar.low, bar.high]);
-    let mut axis = spec.x.clone();
-    axis.range = None;
-    let fitted = axis.fit(values.chain([spec.nominal]).filter_map(|v| axis.map(v)), 7, 0.0);
-    // Room for the values written outside the bars' ends.
-    let room = (fitted.high - fitted.low) * 0.16;
-    let (low, high) = (fitted.low - room, fitted.high + room);
-    let longest = bars.iter().map(|b| b.name.chars().count()).max().unwrap_or(0);
-    let left = (longest as f64 * 7.6 + 24.0).clamp(120.0, 374.0);
-    let right = 745.0;
-    let (top, pitch) = (84.0, 27.0);
-    let bottom = top + pitch * bars.len() as f64 + 6.0;
-    let at = |v: f64| left + (v - low) / (high - low) * (right - left);
-    let tenth = |v: f64| format!("{v:.1}");
-    let nominal = axis.map(spec.nominal).map(at);
+    let ends = bars.iter().flat_map(|bar| [bar.low, bar.high]);
+    let (low, high) = extent(&mut ends.chain([spec.nominal]));
+    // Percent of the bars' column; in the middle where nothing differs.
+    let place = |value: f64| {
+        let share = (spec.x.map(value)? - low) / (high - low);
+        Some(if share.is_finite() { 100.0 * share } else { 50.0 })
+    };
+    let nominal = place(spec.nominal);
+    let unit = &spec.x.unit;
     html! {
-        svg.chart viewBox=(format!("0 0 7600 {:.0}", (bottom + 52.0) * 10.0)) role="img"
-            aria-label=(spec.title) style="max-width:760px" {
-            g transform="scale(10)" {
-                text.ti.px x=(tenth(left)) y="18" { (spec.title) }
-                rect.b0 x=(tenth(left)) y="33" width="16" height="12" {}
-                text.lg.px x=(tenth(left + 22.0)) y="43" { "lower setting" }
-                rect.b1 x=(tenth(left + 130.0)) y="33" width="16" height="12" {}
-                text.lg.px x=(tenth(left + 152.0)) y="43" { "upper setting" }
-                @for (tick, label) in fitted.ticks.iter().zip(&fitted.labels) {
-                    line.gr.px x1=(tenth(at(*tick))) x2=(tenth(at(*tick))) y1=(tenth(top - 6.0)) y2=(tenth(bottom)) {}
-                    text.tt.px x=(tenth(at(*tick))) y=(tenth(bottom + 16.0)) text-anchor="middle" { (label) }
-                }
-                text.at.px x=(tenth((left + right) / 2.0)) y=(tenth(bottom + 40.0)) text-anchor="middle" { (fitted.title) }
-                @for (row, bar) in bars.iter().enumerate() {
-                    @let y = top + pitch * row as f64;
-                    text.lg.px x=(tenth(left - 10.0)) y=(tenth(y + 14.0)) text-anchor="end" { (shortened(&bar.name, 46)) }
-                    @if let Some(middle) = nominal {
-                        @for (style, value, other) in [(0, bar.low, bar.high), (1, bar.high, bar.low)] {
-                            @if let Some(end) = axis.map(value).map(at) {
-                                // Both settings on one side: they share the bar's height.
-                                @let together = axis.map(other).map(at).is_some_and(|o| (o - middle) * (end - middle) > 0.0);
-                                @let (dy, height) = match (together, style) { (false, _) => (0.0, 19.0), (true, 0) => (0.0, 9.0), (true, _) => (10.0, 9.0) };
-                                rect.{ "b" (style) } x=(tenth(end.min(middle))) y=(tenth(y + dy)) width=(tenth((end - middle).abs())) height=(tenth(height)) {}
-                                @if !together || (end - middle).abs() >= axis.map(other).map(at).map_or(0.0, |o| (o - middle).abs()) {
-                                    @let before = end < middle || (end == middle && style == 0);
-                                    text.tt.px x=(tenth(if before { end - 5.0 } else { end + 5.0 })) y=(tenth(y + 14.0))
-                                        text-anchor=(if before { "end" } else { "start" }) { (typeset(value, 3)) }
+        div.wide {
+            table.tornado {
+                caption { b { (spec.title) } }
+                thead { tr {
+                    th scope="col" { "Dispersion" }
+                    th.n scope="col" { "Lower setting" small { (unit) } }
+                    th scope="col" {
+                        (spec.x.label) small { "nominal " (with_unit(spec.nominal, 3, unit)) }
+                    }
+                    th.n scope="col" { "Upper setting" small { (unit) } }
+                } }
+                tbody {
+                    @for bar in bars {
+                        tr {
+                            th scope="row" { (bar.name) }
+                            td.n { (typeset(bar.low, 3)) }
+                            td.bars style=[nominal.map(|at| format!("--n:{at:.1}%"))] {
+                                @for (class, value) in [("lower", bar.low), ("upper", bar.high)] {
+                                    @if let Some((from, to)) = nominal.zip(place(value)) {
+                                        i class=(class) style=(format!("left:{:.1}%;width:{:.1}%", from.min(to), (to - from).abs())) {}
+                                    }
                                 }
                             }
+                            td.n { (typeset(bar.high, 3)) }
                         }
                     }
-                }
-                @if let Some(middle) = nominal {
-                    line.ax.px x1=(tenth(middle)) x2=(tenth(middle)) y1=(tenth(top - 6.0)) y2=(tenth(bottom)) {}
-                    text.mt.px x=(tenth(middle)) y=(tenth(top - 10.0)) text-anchor="middle" { "nominal " (typeset(spec.nominal, 3)) }
                 }
             }
         }
     }
-}
-
-/// At most `most` characters, the cut shown.
-fn shortened(name: &str, most: usize) -> String {
-    if name.chars().count() <= most {
-        return name.to_owned();
-    }
-    name.chars().take(most - 1).chain(['…']).collect()
 }
 
 #[cfg(test)]
@@ -114,14 +92,17 @@ mod tests {
     #[test]
     fn bars_are_ranked_by_span() {
         let bar = |name: &str, low, high| TornadoBar { name: name.to_owned(), low, high };
-        let svg = tornado(&Tornado {
+        let html = tornado(&Tornado {
             title: "t".to_owned(),
             x: Axis::new("Overshoot", "%"),
             nominal: 10.0,
-            bars: vec![bar("small", 9.0, 11.0), bar("large", 2.0, 19.0)],
+            bars: vec![bar("slight", 9.0, 11.0), bar("large", 2.0, 19.0)],
         })
         .into_string();
-        assert!(svg.find("large").unwrap() < svg.find("small").unwrap());
+        assert!(html.find("large").unwrap() < html.find("slight").unwrap());
+        // From 2 to 19 the nominal 10 stands at 8/17, the slight bar’s end at 7/17.
+        assert!(html.contains("--n:47.1%") && html.contains("left:41.2%;width:5.9%"), "{html}");
+        assert!(html.contains("left:0.0%;width:47.1%"), "{html}");
     }
 
     proptest! {
@@ -129,7 +110,7 @@ mod tests {
         #[test]
         fn any_bars_draw(nominal: f64, ends: Vec<(f64, f64)>, log: bool) {
             let x = Axis::new("x", "");
-            let svg = tornado(&Tornado {
+            let html = tornado(&Tornado {
                 title: String::new(),
                 x: if log { x.log() } else { x },
                 nominal,
@@ -139,7 +120,7 @@ mod tests {
                     .collect(),
             })
             .into_string();
-            prop_assert!(svg.ends_with("</svg>") && !svg.contains("NaN") && !svg.contains("inf"));
+            prop_assert!(html.ends_with("</div>") && !html.contains("NaN") && !html.contains("inf"));
         }
     }
 }
