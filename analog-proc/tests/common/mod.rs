@@ -2,6 +2,11 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "each user takes what it needs")]
 
+use analog_proc::block::kind::{
+    Constant, Control, Counter, Dac, DeadZone, Divider, DryFriction, Integrator, Interrupt,
+    Limiter, Max, Multiplier, Not, OneShot, Relay, Sense, Square, SquareRoot, Summer, Switch, Time,
+    TransportDelay,
+};
 use analog_proc::net::{Integration, Kind, Level, Method, NetId};
 use analog_proc::order::Ordered;
 use analog_proc::patch::compile;
@@ -28,7 +33,7 @@ pub struct Patch {
 }
 
 pub fn integrator(ic: f64) -> Kind {
-    Kind::Integrator { ic, limits: None, operate: None, reset: None, reset_to: None }
+    Kind::Integrator(Integrator { ic, limits: None, operate: None, reset: None, reset_to: None })
 }
 
 impl Patch {
@@ -71,7 +76,7 @@ impl Patch {
             Level::Net(net) => format!("\"{}\"", self.name(*net)),
         };
         let fields = match kind {
-            Kind::Integrator { ic, limits, operate, reset, reset_to } => {
+            Kind::Integrator(Integrator { ic, limits, operate, reset, reset_to }) => {
                 let mut text = format!("kind = \"integrator\", ic = {}", number(*ic));
                 if let Some(limits) = limits {
                     text += &format!(", limits = {}", pair(*limits));
@@ -87,44 +92,48 @@ impl Patch {
                 }
                 text
             }
-            Kind::Summer => "kind = \"summer\"".into(),
-            Kind::Multiplier => "kind = \"multiplier\"".into(),
-            Kind::Square => "kind = \"square\"".into(),
-            Kind::SquareRoot => "kind = \"square-root\"".into(),
-            Kind::Max => "kind = \"max\"".into(),
-            Kind::Divider => "kind = \"divider\"".into(),
-            Kind::Not => "kind = \"not\"".into(),
-            Kind::Time => "kind = \"time\"".into(),
-            Kind::Constant { value } => format!("kind = \"constant\", value = {}", number(*value)),
-            Kind::Dac { channel, .. } => format!("kind = \"dac\", channel = {channel}"),
-            Kind::Control { line, .. } => format!("kind = \"control\", line = {line}"),
-            Kind::Interrupt { line } => format!("kind = \"interrupt\", line = {line}"),
-            Kind::Sense { line } => format!("kind = \"sense\", line = {line}"),
-            Kind::Comparator { .. } => "kind = \"comparator\"".into(),
-            Kind::FlipFlop { .. } => "kind = \"flip-flop\"".into(),
-            Kind::Counter { modulo } => format!("kind = \"counter\", modulo = {modulo}"),
-            Kind::OneShot { width_s } => {
+            Kind::Summer(Summer) => "kind = \"summer\"".into(),
+            Kind::Multiplier(Multiplier) => "kind = \"multiplier\"".into(),
+            Kind::Square(Square) => "kind = \"square\"".into(),
+            Kind::SquareRoot(SquareRoot) => "kind = \"square-root\"".into(),
+            Kind::Max(Max) => "kind = \"max\"".into(),
+            Kind::Divider(Divider) => "kind = \"divider\"".into(),
+            Kind::Not(Not) => "kind = \"not\"".into(),
+            Kind::Time(Time) => "kind = \"time\"".into(),
+            Kind::Constant(Constant { value }) => {
+                format!("kind = \"constant\", value = {}", number(*value))
+            }
+            Kind::Dac(Dac { channel, .. }) => format!("kind = \"dac\", channel = {channel}"),
+            Kind::Control(Control { line, .. }) => format!("kind = \"control\", line = {line}"),
+            Kind::Interrupt(Interrupt { line }) => format!("kind = \"interrupt\", line = {line}"),
+            Kind::Sense(Sense { line }) => format!("kind = \"sense\", line = {line}"),
+            Kind::Comparator(_) => "kind = \"comparator\"".into(),
+            Kind::FlipFlop(_) => "kind = \"flip-flop\"".into(),
+            Kind::Counter(Counter { modulo }) => format!("kind = \"counter\", modulo = {modulo}"),
+            Kind::OneShot(OneShot { width_s }) => {
                 format!("kind = \"one-shot\", width = {}", number(*width_s))
             }
-            Kind::Relay { points, outputs, .. } => {
+            Kind::Relay(Relay { points, outputs, .. }) => {
                 format!(
                     "kind = \"relay\", points = {}, outputs = {}",
                     pair(*points),
                     pair(*outputs)
                 )
             }
-            Kind::DeadZone { width } => format!("kind = \"dead-zone\", width = {}", level(width)),
-            Kind::Limiter { low, high } => {
+            Kind::DeadZone(DeadZone { width }) => {
+                format!("kind = \"dead-zone\", width = {}", level(width))
+            }
+            Kind::Limiter(Limiter { low, high }) => {
                 format!("kind = \"limiter\", limits = [{}, {}]", level(low), level(high))
             }
-            Kind::DryFriction { level, .. } => {
+            Kind::DryFriction(DryFriction { level, .. }) => {
                 format!("kind = \"dry-friction\", level = {}", number(*level))
             }
-            Kind::TransportDelay { delay, .. } => {
+            Kind::TransportDelay(TransportDelay { delay, .. }) => {
                 format!("kind = \"transport-delay\", delay = {}", number(*delay))
             }
-            Kind::Generator { .. } => "kind = \"signal-generator\", wave = \"sine\"".into(),
-            Kind::Switch { control } => {
+            Kind::Generator(_) => "kind = \"signal-generator\", wave = \"sine\"".into(),
+            Kind::Switch(Switch { control }) => {
                 format!("kind = \"switch\", control = \"{}\"", self.name(*control))
             }
             other => panic!("no text for {other:?}"),

@@ -1,0 +1,83 @@
+//! `sense`, `control`, `interrupt`: logic to and from the digital side.
+
+use super::*;
+use crate::block::logic::Store;
+
+kind! {
+    Sense { line: u32 }
+    "sense", "logic to the digital side", "`line` 0–63", r#"in = ["p"], line = 0"#,
+    takes_logic: true, gives_logic: true, class: Some(BlockClass::SenseLine),
+    inputs: Inputs::exactly(1),
+}
+
+impl Component for Sense {
+    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
+        Some(Sense { line: f.channel("line", ChannelKind::Sense, 1)? })
+    }
+
+    fn claim(&self) -> Option<Claim> {
+        Claim::one(ChannelKind::Sense, self.line, 0.0)
+    }
+
+    fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
+        to.weighted(o, block, 1.0);
+        to.m.senses.push((self.line, o));
+    }
+
+    fn symbol(&self, pen: &mut Pen) {
+        pen.flag(&format!("SL {}", self.line));
+    }
+}
+
+kind! {
+    Control { line: u32, initial: bool }
+    "control", "logic from the digital side", "`line` 0–63; `initial` (false)", "line = 0",
+    inputs: Inputs::NONE, gives_logic: true, class: Some(BlockClass::ControlLine),
+    size: (52.0, 26.0),
+}
+
+impl Component for Control {
+    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
+        let line = f.channel("line", ChannelKind::Control, 1);
+        let initial = f.flag("initial", false);
+        Some(Control { line: line?, initial: initial? })
+    }
+
+    fn claim(&self) -> Option<Claim> {
+        Claim::one(ChannelKind::Control, self.line, f64::from(self.initial))
+    }
+
+    fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
+        to.m.initial_nets[o as usize] = f64::from(self.initial);
+        to.m.control_lines.push((self.line, o));
+    }
+
+    fn symbol(&self, pen: &mut Pen) {
+        pen.flag(&format!("CL {}", self.line));
+    }
+}
+
+kind! {
+    Interrupt { line: u32 }
+    "interrupt", "edges to the digital side, with their located instants", "`line` 0–31",
+    r#"in = ["p"], line = 0"#, takes_logic: true, gives_logic: true,
+    class: Some(BlockClass::InterruptLine), inputs: Inputs::exactly(1),
+}
+
+impl Component for Interrupt {
+    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
+        Some(Interrupt { line: f.channel("line", ChannelKind::Interrupt, 1)? })
+    }
+
+    fn claim(&self) -> Option<Claim> {
+        Claim::one(ChannelKind::Interrupt, self.line, 0.0)
+    }
+
+    fn lower_inputs(&self, to: &mut Lowering, _: &Block, o: Slot) {
+        to.m.stores.push(Store::Interrupt { input: o, line: self.line });
+    }
+
+    fn symbol(&self, pen: &mut Pen) {
+        pen.flag(&format!("INT {}", self.line));
+    }
+}
