@@ -4,16 +4,25 @@
 //! patch-files/README.md, its inputs, wires, channels and equipment, what it is lowered
 //! to and how it is drawn. That is asked while a patch is loaded, never within a step.
 
-/// Declares a kind: its fields; its name, what it gives, its fields and an example in the words
-/// of patch-files/README.md; and what else is true of all its blocks.
+/// Declares a kind: its fields and how each is read, or who reads them; its name, what it gives,
+/// its fields and an example in the words of patch-files/README.md; and what else is true of all
+/// its blocks.
 macro_rules! kind {
-    ($(#[$about:meta])* $kind:ident { $($field:ident: $type:ty),+ } $($facts:tt)+) => {
-        kind! { @struct [$(#[$about])*] $kind [{ $(pub $field: $type),+ }] None; $($facts)+ }
+    ($(#[$about:meta])* $kind:ident($f:ident) {
+        $($field:ident: $type:ty = $read:expr),+ $(,)?
+    } $($facts:tt)+) => {
+        kind! { @ [$(#[$about])*] $kind [{ $(pub $field: $type),+ }] [|$f| {
+            $(let $field = $read;)+
+            Some($kind { $($field: $field?),+ })
+        }] $($facts)+ }
+    };
+    ($(#[$about:meta])* $kind:ident($read:ident) { $($field:ident: $type:ty),+ } $($facts:tt)+) => {
+        kind! { @ [$(#[$about])*] $kind [{ $(pub $field: $type),+ }] [$read] $($facts)+ }
     };
     ($(#[$about:meta])* $kind:ident $($facts:tt)+) => {
-        kind! { @struct [$(#[$about])*] $kind [;] Some($kind); $($facts)+ }
+        kind! { @ [$(#[$about])*] $kind [;] [|_| Some($kind)] $($facts)+ }
     };
-    (@struct [$($about:tt)*] $kind:ident [$($body:tt)+] $plain:expr;
+    (@ [$($about:tt)*] $kind:ident [$($body:tt)+] [$read:expr]
         $name:literal, $output:literal, $fields:literal, $example:literal
         $(, $fact:ident: $value:expr)* $(,)?) => {
         #[doc = concat!("`", $name, "`: ", $output, ". ", $fields)]
@@ -24,6 +33,7 @@ macro_rules! kind {
         pub struct $kind $($body)+
 
         impl $kind {
+            pub(super) const READ: fn(&mut Fields<'_, '_>) -> Option<Self> = $read;
             pub(super) const FACTS: Facts = Facts {
                 name: $name,
                 output: $output,
@@ -32,12 +42,6 @@ macro_rules! kind {
                 $($fact: $value,)*
                 ..Facts::ANALOG
             };
-        }
-
-        impl Plain for $kind {
-            fn plain() -> Option<Self> {
-                $plain
-            }
         }
     };
 }
@@ -71,7 +75,7 @@ use interface::control::ChannelKind;
 use interface::frame;
 use interface::profile::BlockClass;
 
-/// Reads the fields of a block of a kind.
+/// Reads the fields of a block. `None` after faults, which have been told.
 type Read = fn(&mut Fields<'_, '_>) -> Option<Kind>;
 
 macro_rules! kinds {
@@ -102,7 +106,7 @@ macro_rules! kinds {
 
         /// All kinds: what is true of each, and the reader of its fields.
         pub(crate) const KINDS: &[(Facts, Read)] =
-            &[$(($kind::FACTS, |f| $kind::read(f).map(Kind::$kind)),)+];
+            &[$(($kind::FACTS, |f| $kind::READ(f).map(Kind::$kind)),)+];
     };
 }
 
@@ -127,6 +131,11 @@ kinds! {
 }
 
 impl Kind {
+    /// What the patch language calls it.
+    pub fn name(&self) -> &'static str {
+        self.facts().name
+    }
+
     /// Whether the output is logic (0 or 1).
     pub fn is_logic(&self) -> bool {
         self.facts().gives_logic
@@ -145,23 +154,8 @@ pub(crate) fn named(name: &str) -> Option<&'static (Facts, Read)> {
     KINDS.iter().find(|(facts, _)| facts.name == name)
 }
 
-/// A block of a kind that has no fields to be read.
-pub(crate) trait Plain {
-    fn plain() -> Option<Self>
-    where
-        Self: Sized;
-}
-
 /// What a kind does; as defaults, what the plainest of them do.
-pub(crate) trait Component: Plain {
-    /// Reads the fields of a block. `None` after faults, which have been told.
-    fn read(_: &mut Fields<'_, '_>) -> Option<Self>
-    where
-        Self: Sized,
-    {
-        Self::plain()
-    }
-
+pub(crate) trait Component {
     /// Nets read by fields other than the inputs (levels, mode control).
     fn sides(&self) -> Vec<Side> {
         Vec::new()
@@ -172,12 +166,12 @@ pub(crate) trait Component: Plain {
         None
     }
 
-    /// Wires the output `o`; for a store, gives it its initial value.
+    /// Wires the output `o`; not asked where that is a state of the integration.
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         to.weighted(o, block, 1.0);
     }
 
-    /// Wires what a store reads, once every net is in place.
+    /// Wires what a store reads, once every net is in place; gives a state its initial value.
     fn lower_inputs(&self, _to: &mut Lowering, _block: &Block, _o: Slot) {}
 
     /// Text above the symbol: initial condition, limits, setting.
@@ -190,7 +184,6 @@ pub(crate) trait Component: Plain {
 }
 
 /// What is true of every block of a kind.
-#[derive(Debug)]
 pub(crate) struct Facts {
     pub(crate) name: &'static str,
     /// What it gives, its fields, and a block with them, as patch-files/README.md tells it.
@@ -247,8 +240,6 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
-    const NONE: Inputs = Inputs::exactly(0);
-
     const fn exactly(count: usize) -> Inputs {
         Inputs { least: count, most: Some(count), roles: &[] }
     }
@@ -292,10 +283,8 @@ impl Side {
     }
 
     fn level(mark: &'static str, level: Level) -> Option<Side> {
-        match level {
-            Level::Net(net) => Some(Side { mark, net, coefficient: 1.0, is_logic: false }),
-            Level::Fixed(_) => None,
-        }
+        let Level::Net(net) = level else { return None };
+        Some(Side { is_logic: false, ..Side::logic(mark, net) })
     }
 }
 
@@ -354,17 +343,16 @@ mod tests {
 
     #[test]
     fn the_examples_of_the_table_compile() {
-        let mut text = String::from("[blocks]\n");
+        let mut text = String::from("[blocks]\nt = { kind = \"time\" }\n");
         for net in ["a", "b", "c"] {
-            text += &format!("{net} = {{ kind = \"constant\", value = 1.0 }}\n");
+            text += &format!("{net} = {{ kind = \"summer\", in = [\"t\"] }}\n");
         }
         for net in ["p", "q"] {
-            text += &format!("{net} = {{ kind = \"comparator\", in = [\"a\"] }}\n");
+            text += &format!("{net} = {{ kind = \"comparator\", in = [\"t\"] }}\n");
         }
-        let lines = super::table();
-        for line in lines.lines().filter_map(|row| row.strip_suffix("` |")) {
-            let (_, line) = line.rsplit_once("| `").unwrap();
-            text += &format!("{line}\n");
+        for row in super::table().lines().skip(2) {
+            let line = row.trim_end_matches("` |").rsplit("| `").next();
+            text += &format!("{}\n", line.unwrap());
         }
         let files = vec![("table.toml".to_owned(), text)];
         let bundle = PatchBundle { root: "table.toml".to_owned(), files };

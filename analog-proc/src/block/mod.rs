@@ -142,7 +142,9 @@ pub(crate) fn lower(ordered: &Ordered) -> Machine {
     for (id, block) in blocks.clone() {
         lowering.block = id;
         let o = lowering.slot(block.outputs[0]);
-        block.kind.component().lower(&mut lowering, block, o);
+        if block.kind.facts().storage != Storage::State {
+            block.kind.component().lower(&mut lowering, block, o);
+        }
         lowering.overload(o, block.max);
     }
     // Stores read nets that come later in the order: their inputs are wired last.
@@ -213,15 +215,13 @@ impl Lowering {
         slot
     }
 
-    fn constant(&mut self, value: f64) -> Slot {
-        let slot = self.hidden();
-        self.m.initial_nets[slot as usize] = value;
-        slot
-    }
-
     fn level(&mut self, level: Level) -> Slot {
         match level {
-            Level::Fixed(value) => self.constant(value),
+            Level::Fixed(value) => {
+                let slot = self.hidden();
+                self.m.initial_nets[slot as usize] = value;
+                slot
+            }
             Level::Net(net) => self.slot(net),
         }
     }
@@ -302,7 +302,8 @@ impl Lowering {
         e
     }
 
-    fn curve(&mut self, u: Term, corners: &[f64], pieces: &[Piece]) -> (u32, Curve) {
+    /// `o = curve(u)`.
+    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> Curve {
         let curve = Curve {
             u,
             start: self.m.breakpoints.len() as u32,
@@ -312,12 +313,7 @@ impl Lowering {
         };
         self.m.breakpoints.extend_from_slice(corners);
         self.m.initial_pieces.extend_from_slice(pieces);
-        (self.element(Piecewise::Curve(curve), &[u.slot]), curve)
-    }
-
-    /// `o = curve(u)`.
-    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> Curve {
-        let (e, curve) = self.curve(u, corners, pieces);
+        let e = self.element(Piecewise::Curve(curve), &[u.slot]);
         let varying = self.vary(&[u.slot]);
         self.push(Op::Curve { o, e, a: u.slot, c: u.c }, &[o], varying);
         curve
@@ -350,21 +346,5 @@ impl Lowering {
 
     fn rate(&mut self, state: u32, terms: &[Term]) {
         self.rates.push((state, terms.to_vec()));
-    }
-
-    fn dac(&mut self, channel: u32, initial: f64) -> u32 {
-        let known = self.m.dac_channels.iter().position(|d| d.0 == channel);
-        known.unwrap_or_else(|| {
-            self.m.dac_channels.push((channel, initial));
-            self.m.dac_channels.len() - 1
-        }) as u32
-    }
-
-    fn dcu(&mut self, channel: u32, initial: f64) -> u32 {
-        let known = self.m.dcu_channels.iter().position(|d| d.0 == channel);
-        known.unwrap_or_else(|| {
-            self.m.dcu_channels.push((channel, initial));
-            self.m.dcu_channels.len() - 1
-        }) as u32
     }
 }

@@ -34,35 +34,35 @@ impl Channels {
         };
         let mut faults = Vec::new();
         for block in &netlist.blocks {
-            let mut fault =
-                |e: &dyn std::fmt::Display| faults.push(format!("`{}`: {e}", block.name));
             let Some(claim) = block.kind.component().claim() else {
                 continue;
             };
             let net = block.outputs[0];
             for (channel, value) in (claim.first as usize..).zip(claim.initial) {
-                match claim.kind {
-                    ChannelKind::Adc => match profile.adc_converter(block.max) {
-                        Ok(converter) => channels.adc.push(AdcChannel { channel, net, converter }),
-                        Err(e) => fault(&e),
-                    },
-                    ChannelKind::Dac => match profile.dac_converter(block.max) {
-                        Ok(converter) => {
-                            let hold = Hold::new(profile.hold(), value);
-                            channels.dac.push(DacChannel { channel, converter, hold, value });
-                        }
-                        Err(e) => fault(&e),
-                    },
-                    ChannelKind::Dcu => match profile.coefficient_unit(claim.range) {
-                        Ok(unit) => channels.dcu.push(DcuChannel { channel, unit, value }),
-                        Err(e) => {
-                            fault(&e);
-                            break;
-                        }
-                    },
-                    ChannelKind::Sense => channels.sense.push(Line { line: channel, net }),
-                    ChannelKind::Control => channels.control.push((channel, value != 0.0)),
-                    ChannelKind::Interrupt => {}
+                let made = match claim.kind {
+                    ChannelKind::Adc => profile.adc_converter(block.max).map(|converter| {
+                        channels.adc.push(AdcChannel { channel, net, converter });
+                    }),
+                    ChannelKind::Dac => profile.dac_converter(block.max).map(|converter| {
+                        let hold = Hold::new(profile.hold(), value);
+                        channels.dac.push(DacChannel { channel, converter, hold, value });
+                    }),
+                    ChannelKind::Dcu => profile.coefficient_unit(claim.range).map(|unit| {
+                        channels.dcu.push(DcuChannel { channel, unit, value });
+                    }),
+                    ChannelKind::Sense => {
+                        channels.sense.push(Line { line: channel, net });
+                        Ok(())
+                    }
+                    ChannelKind::Control => {
+                        channels.control.push((channel, value != 0.0));
+                        Ok(())
+                    }
+                    ChannelKind::Interrupt => Ok(()),
+                };
+                if let Err(e) = made {
+                    faults.push(format!("`{}`: {e}", block.name));
+                    break;
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Whether a machine has the blocks that a patch needs.
 
-use crate::net::{BlockId, Netlist};
+use crate::net::Netlist;
 use crate::order::Ordered;
 use crate::patch::{Faults, PatchFault, PatchFaults};
 use interface::profile::{BlockClass, Profile};
@@ -47,7 +47,7 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
         table.push_str(&row);
     }
     let mut faults = Faults::new(ordered.sources().clone(), ordered.root());
-    let block = &netlist.blocks[BlockId(u32::try_from(first_without).unwrap_or(0)).index()];
+    let block = &netlist.blocks[first_without];
     faults.push(block.span, |src, at| PatchFault::TooManyBlocks {
         src,
         at,

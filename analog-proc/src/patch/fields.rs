@@ -47,7 +47,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         Some(entry.value.span)
     }
 
-    fn required(&mut self, key: &'static str, example: &str) -> Option<&'r Entry> {
+    pub(crate) fn required(&mut self, key: &'static str, example: &str) -> Option<&'r Entry> {
         let entry = self.entry(key);
         if entry.is_none() {
             self.missing(key, example);

@@ -3,11 +3,8 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::edges;
 use analog_proc::block::dac::DacPiece;
-use analog_proc::block::kind::{
-    Comparator, Constant, Counter, Dac, DeadZone, Generator, Integrator, Interrupt, Limiter,
-    OneShot, Sense, Switch, Time, TransportDelay,
-};
-use analog_proc::net::{Kind, Level, NetId, Wave};
+use analog_proc::block::kind::*;
+use analog_proc::net::{Level, NetId};
 
 #[test]
 fn dead_zone_is_odd_and_limiter_corners_are_exact() {

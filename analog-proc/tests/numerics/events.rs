@@ -2,11 +2,9 @@
 
 use crate::common::{Patch, close, integrator, tick};
 use crate::edges;
-use analog_proc::block::kind::{
-    Comparator, Constant, DryFriction, Integrator, Interrupt, Relay, Summer, Time,
-};
+use analog_proc::block::kind::*;
 use analog_proc::fault::RunFault;
-use analog_proc::net::{Input, Kind, NetId, Span};
+use analog_proc::net::{Input, NetId, Span};
 
 /// Ball of height h and speed v that keeps `e` of its speed.
 fn ball(e: f64) -> Patch {

@@ -2,12 +2,9 @@
 
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
-use analog_proc::block::kind::{
-    Constant, Divider, FlipFlop, Integrator, Limiter, Max, Not, Relay, Square, SquareRoot, Summer,
-    Time,
-};
+use analog_proc::block::kind::*;
 use analog_proc::fault::RunFault;
-use analog_proc::net::{BlockId, Expected, Kind, Level, Method, NetId, OverloadPolicy};
+use analog_proc::net::{BlockId, Expected, Level, Method, NetId, OverloadPolicy};
 use analog_proc::simulation::Simulation;
 
 #[test]

@@ -3,8 +3,8 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
 use analog_proc::block::dac::DacPiece;
-use analog_proc::block::kind::{Comparator, Control, Dac, Integrator, Multiplier};
-use analog_proc::net::{Kind, Method, NetId};
+use analog_proc::block::kind::*;
+use analog_proc::net::{Method, NetId};
 
 fn lorenz() -> Patch {
     let mut patch = Patch::new();

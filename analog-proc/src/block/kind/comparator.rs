@@ -4,18 +4,15 @@ use super::*;
 use crate::block::piecewise::Piecewise;
 
 kind! {
-    Comparator { threshold: f64, hysteresis: f64 }
+    Comparator(f) {
+        threshold: f64 = f.number("threshold", Some(0.0)),
+        hysteresis: f64 = f.ranged("hysteresis", Some(0.0), "0 or greater", |v| v >= 0.0),
+    }
     "comparator", "logic: Σ > `threshold`", "`threshold` (0); `hysteresis`, total (0)",
     r#"in = ["a"], threshold = 0.5"#, gives_logic: true, class: Some(BlockClass::Comparator),
 }
 
 impl Component for Comparator {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let threshold = f.number("threshold", Some(0.0));
-        let hysteresis = f.ranged("hysteresis", Some(0.0), "0 or greater", |v| v >= 0.0);
-        Some(Comparator { threshold: threshold?, hysteresis: hysteresis? })
-    }
-
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         let u = to.sum(&block.inputs);
         let on_above = self.threshold + 0.5 * self.hysteresis;
@@ -37,24 +34,24 @@ impl Component for Comparator {
 }
 
 kind! {
-    Relay { points: [f64; 2], outputs: [f64; 2], initially_on: bool }
+    Relay(relay) { points: [f64; 2], outputs: [f64; 2], initially_on: bool }
     "relay", "`outputs[1]` once Σ > `points[1]`, `outputs[0]` once Σ < `points[0]`",
     "`points`, `outputs`, `initially-on` (false)",
     r#"in = ["a"], points = [-0.1, 0.1], outputs = [0, 5]"#, class: Some(BlockClass::Comparator),
 }
 
-impl Component for Relay {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let points = f.pair("points");
-        let outputs = f.pair("outputs");
-        let initially_on = f.flag("initially-on", false);
-        let points = points?;
-        if points[0] > points[1] && !f.ordered("points", points[0], points[1]) {
-            return None;
-        }
-        Some(Relay { points, outputs: outputs?, initially_on: initially_on? })
+fn relay(f: &mut Fields<'_, '_>) -> Option<Relay> {
+    let points = f.pair("points");
+    let outputs = f.pair("outputs");
+    let initially_on = f.flag("initially-on", false);
+    let points = points?;
+    if points[0] > points[1] && !f.ordered("points", points[0], points[1]) {
+        return None;
     }
+    Some(Relay { points, outputs: outputs?, initially_on: initially_on? })
+}
 
+impl Component for Relay {
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         let Relay { points, outputs, initially_on } = *self;
         let u = to.sum(&block.inputs);

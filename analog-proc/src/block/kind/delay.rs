@@ -4,19 +4,16 @@ use super::*;
 use crate::block::delay::DelayLine;
 
 kind! {
-    TransportDelay { delay: f64, initial: f64 }
+    TransportDelay(f) {
+        delay: f64 = f.duration("delay"),
+        initial: f64 = f.number("initial", Some(0.0)),
+    }
     "transport-delay", "Σ as it was `delay` ago", "`delay` s; `initial` (0)",
     r#"in = ["a"], delay = 0.2"#, storage: Storage::Value,
     class: Some(BlockClass::FunctionGenerator),
 }
 
 impl Component for TransportDelay {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let delay = f.duration("delay");
-        let initial = f.number("initial", Some(0.0));
-        Some(TransportDelay { delay: delay?, initial: initial? })
-    }
-
     fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
         let line = to.m.lines.len() as u32;
         let input = Term { slot: 0, c: 0.0 };

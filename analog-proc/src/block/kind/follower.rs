@@ -7,28 +7,22 @@ use crate::block::scaled;
 
 kind! {
     /// `dy/dt = sat((Σ − y)/tau, ±rate)`.
-    RateLimiter { rate: f64, tau: f64, ic: f64 }
+    RateLimiter(f) {
+        rate: f64 = f.positive("rate", None),
+        tau: f64 = f.positive("tau", Some(1e-3)),
+        ic: f64 = f.number("ic", Some(0.0)),
+    }
     "rate-limiter", "follows Σ, slope within ±`rate`", "`rate` 1/s; `tau` s (1e-3); `ic` (0)",
     r#"in = ["a"], rate = 2.0"#, storage: Storage::State, class: Some(BlockClass::Integrator),
 }
 
 impl Component for RateLimiter {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let rate = f.positive("rate", None);
-        let tau = f.positive("tau", Some(1e-3));
-        let ic = f.number("ic", Some(0.0));
-        Some(RateLimiter { rate: rate?, tau: tau?, ic: ic? })
-    }
-
-    fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
-        to.m.ics[o as usize] = self.ic;
-    }
-
     fn lower_inputs(&self, to: &mut Lowering, block: &Block, o: Slot) {
+        to.m.ics[o as usize] = self.ic;
         let RateLimiter { rate, tau, .. } = *self;
         let mut terms = scaled(to.terms(&block.inputs), 1.0 / tau);
         terms.push(Term { slot: o, c: -1.0 / tau });
-        follow(to, o, &terms, &[-rate, rate], &pieces_of_limiter(-rate, rate), 1.0);
+        follow(to, o, &terms, rate, &pieces_of_limiter(-rate, rate), 1.0);
     }
 
     fn caption(&self) -> Option<String> {
@@ -44,28 +38,22 @@ impl Component for RateLimiter {
 
 kind! {
     /// `dy/dt = dz(Σ − y, width/2)/tau`: a dead zone in front of a fast integrator.
-    Backlash { width: f64, tau: f64, ic: f64 }
+    Backlash(f) {
+        width: f64 = f.positive("width", None),
+        tau: f64 = f.positive("tau", Some(1e-3)),
+        ic: f64 = f.number("ic", Some(0.0)),
+    }
     "backlash", "follows Σ with play", "`width`, the whole play; `tau` s (1e-3); `ic` (0)",
     r#"in = ["a"], width = 0.2"#, storage: Storage::State, class: Some(BlockClass::DiodeNetwork),
 }
 
 impl Component for Backlash {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let width = f.positive("width", None);
-        let tau = f.positive("tau", Some(1e-3));
-        let ic = f.number("ic", Some(0.0));
-        Some(Backlash { width: width?, tau: tau?, ic: ic? })
-    }
-
-    fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
-        to.m.ics[o as usize] = self.ic;
-    }
-
     fn lower_inputs(&self, to: &mut Lowering, block: &Block, o: Slot) {
+        to.m.ics[o as usize] = self.ic;
         let mut terms = to.terms(&block.inputs);
         terms.push(Term { slot: o, c: -1.0 });
         let half = 0.5 * self.width;
-        follow(to, o, &terms, &[-half, half], &pieces_of_dead_zone(half), 1.0 / self.tau);
+        follow(to, o, &terms, half, &pieces_of_dead_zone(half), 1.0 / self.tau);
     }
 
     fn caption(&self) -> Option<String> {
@@ -79,24 +67,18 @@ impl Component for Backlash {
 }
 
 kind! {
-    Lag { tau: f64, gain: f64, ic: f64 }
+    Lag(f) {
+        tau: f64 = f.positive("tau", None),
+        gain: f64 = f.number("gain", Some(1.0)),
+        ic: f64 = f.number("ic", Some(0.0)),
+    }
     "lag", "tau dy/dt = gain Σ − y", "`tau` s; `gain` (1); `ic` (0)", r#"in = ["a"], tau = 0.5"#,
     storage: Storage::State, class: Some(BlockClass::Integrator),
 }
 
 impl Component for Lag {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let tau = f.positive("tau", None);
-        let gain = f.number("gain", Some(1.0));
-        let ic = f.number("ic", Some(0.0));
-        Some(Lag { tau: tau?, gain: gain?, ic: ic? })
-    }
-
-    fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
-        to.m.ics[o as usize] = self.ic;
-    }
-
     fn lower_inputs(&self, to: &mut Lowering, block: &Block, o: Slot) {
+        to.m.ics[o as usize] = self.ic;
         let mut terms = scaled(to.terms(&block.inputs), self.gain / self.tau);
         terms.push(Term { slot: o, c: -1.0 / self.tau });
         to.rate(o, &terms);
@@ -117,18 +99,11 @@ impl Component for Lag {
     }
 }
 
-/// `dy/dt = factor · curve(Σ terms)`.
-fn follow(
-    to: &mut Lowering,
-    o: Slot,
-    terms: &[Term],
-    corners: &[f64],
-    pieces: &[Piece],
-    factor: f64,
-) {
+/// `dy/dt = c · curve(Σ terms)`, the curve with corners at `±half`.
+fn follow(to: &mut Lowering, o: Slot, terms: &[Term], half: f64, pieces: &[Piece], c: f64) {
     let slot = to.hidden();
     to.sum_into(slot, terms);
     let driven = to.hidden();
-    to.curve_into(driven, Term { slot, c: 1.0 }, corners, pieces);
-    to.rate(o, &[Term { slot: driven, c: factor }]);
+    to.curve_into(driven, Term { slot, c: 1.0 }, &[-half, half], pieces);
+    to.rate(o, &[Term { slot: driven, c }]);
 }

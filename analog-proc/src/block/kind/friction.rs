@@ -6,7 +6,7 @@ use crate::block::piecewise::Piecewise;
 
 kind! {
     /// `−level·sgn(in0)` when sliding, `−in1` while stuck and `|in1| ≤ breakaway`.
-    DryFriction { level: f64, breakaway: f64 }
+    DryFriction(dry_friction) { level: f64, breakaway: f64 }
     "dry-friction", "friction force at velocity in0 under applied force in1",
     "`level`; `breakaway` (= `level`)", r#"in = ["a", "b"], level = 0.5"#,
     inputs: Inputs::named(&[("velocity", "v"), ("applied force", "F")]),
@@ -14,18 +14,18 @@ kind! {
     symbol: |pen| pen.characteristic(&[(-1.0, -0.6), (0.0, -0.6), (0.0, 0.6), (1.0, 0.6)]),
 }
 
-impl Component for DryFriction {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let level = f.ranged("level", None, "0 or greater", |v| v >= 0.0);
-        let breakaway = f.number("breakaway", level.or(Some(0.0)));
-        let (level, breakaway) = (level?, breakaway?);
-        if breakaway < level {
-            f.out_of_range("breakaway", breakaway, "at least `level`");
-            return None;
-        }
-        Some(DryFriction { level, breakaway })
+fn dry_friction(f: &mut Fields<'_, '_>) -> Option<DryFriction> {
+    let level = f.ranged("level", None, "0 or greater", |v| v >= 0.0);
+    let breakaway = f.number("breakaway", level.or(Some(0.0)));
+    let (level, breakaway) = (level?, breakaway?);
+    if breakaway < level {
+        f.out_of_range("breakaway", breakaway, "at least `level`");
+        return None;
     }
+    Some(DryFriction { level, breakaway })
+}
 
+impl Component for DryFriction {
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         let DryFriction { level, breakaway } = *self;
         let [velocity, applied] = to.exactly(&block.inputs);

@@ -6,24 +6,24 @@ use crate::block::piecewise::Piecewise;
 use crate::block::surface::{Cell, Table};
 
 kind! {
-    Function { x: Vec<f64>, y: Vec<f64> }
+    Function(function) { x: Vec<f64>, y: Vec<f64> }
     "function", "straight lines through the points (x, y); end values hold beyond",
     "`x` increasing, `y`", r#"in = ["a"], x = [-1, 0, 1], y = [0, 2, 1]"#,
     class: Some(BlockClass::FunctionGenerator),
 }
 
-impl Component for Function {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let x = f.breakpoints("x");
-        let y = f.numbers("y");
-        let (x, y) = (x?, y?);
-        if x.len() != y.len() {
-            f.table_size("y", y.len(), format!("{} (one for each x)", x.len()));
-            return None;
-        }
-        Some(Function { x, y })
+fn function(f: &mut Fields<'_, '_>) -> Option<Function> {
+    let x = f.breakpoints("x");
+    let y = f.numbers("y");
+    let (x, y) = (x?, y?);
+    if x.len() != y.len() {
+        f.table_size("y", y.len(), format!("{} (one for each x)", x.len()));
+        return None;
     }
+    Some(Function { x, y })
+}
 
+impl Component for Function {
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         table(to, block, o, &self.x, &self.y);
     }
@@ -36,22 +36,22 @@ impl Component for Function {
 
 kind! {
     /// `z[i·y.len() + j] = f(x[i], y[j])`.
-    Function2d { x: Vec<f64>, y: Vec<f64>, z: Vec<f64> }
+    Function2d(function2d) { x: Vec<f64>, y: Vec<f64>, z: Vec<f64> }
     "function-2d", "bilinear in (in0, in1)", "`x`, `y` increasing; `z`, one row an x",
     r#"in = ["a", "b"], x = [0, 1], y = [0, 1], z = [[0, 1], [2, 3]]"#,
     inputs: Inputs::named(&[("x", "x"), ("y", "y")]), class: Some(BlockClass::FunctionGenerator),
     symbol: |pen| pen.boxed("f(x,y)"),
 }
 
-impl Component for Function2d {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let x = f.breakpoints("x");
-        let y = f.breakpoints("y");
-        let size = x.as_ref().zip(y.as_ref()).map(|(x, y)| (x.len(), y.len()));
-        let z = f.grid("z", size);
-        Some(Function2d { x: x?, y: y?, z: z? })
-    }
+fn function2d(f: &mut Fields<'_, '_>) -> Option<Function2d> {
+    let x = f.breakpoints("x");
+    let y = f.breakpoints("y");
+    let size = x.as_ref().zip(y.as_ref()).map(|(x, y)| (x.len(), y.len()));
+    let z = f.grid("z", size);
+    Some(Function2d { x: x?, y: y?, z: z? })
+}
 
+impl Component for Function2d {
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         let Function2d { x, y, z } = self.clone();
         let [u, v] = to.exactly(&block.inputs);
@@ -67,32 +67,32 @@ impl Component for Function2d {
 
 kind! {
     /// Rubin's function generator.
-    DigitalFunction { x: Vec<f64>, first_channel: u32, initial: Vec<f64> }
+    DigitalFunction(digital_function) { x: Vec<f64>, first_channel: u32, initial: Vec<f64> }
     "digital-function", "as `function`, ordinates set by the digital side",
     "`x`; `first-channel`: DCU of the first ordinate, the others follow; `initial` (zeros)",
     r#"in = ["a"], x = [-1, 0, 1], first-channel = 8"#,
     class: Some(BlockClass::FunctionGenerator),
 }
 
-impl Component for DigitalFunction {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let x = f.breakpoints("x");
-        let needed = x.as_ref().map_or(1, Vec::len);
-        let first_channel = f.channel("first-channel", ChannelKind::Dcu, needed);
-        let has_initial = f.place("initial").is_some();
-        let initial = f.numbers_or_none("initial");
-        if has_initial && initial.is_none() {
-            return None;
-        }
-        let x = x?;
-        let initial = initial.unwrap_or_else(|| vec![0.0; x.len()]);
-        if initial.len() != x.len() {
-            f.table_size("initial", initial.len(), format!("{} (one for each x)", x.len()));
-            return None;
-        }
-        Some(DigitalFunction { x, first_channel: first_channel?, initial })
+fn digital_function(f: &mut Fields<'_, '_>) -> Option<DigitalFunction> {
+    let x = f.breakpoints("x");
+    let needed = x.as_ref().map_or(1, Vec::len);
+    let first_channel = f.channel("first-channel", ChannelKind::Dcu, needed);
+    let has_initial = f.place("initial").is_some();
+    let initial = f.numbers_or_none("initial");
+    if has_initial && initial.is_none() {
+        return None;
     }
+    let x = x?;
+    let initial = initial.unwrap_or_else(|| vec![0.0; x.len()]);
+    if initial.len() != x.len() {
+        f.table_size("initial", initial.len(), format!("{} (one for each x)", x.len()));
+        return None;
+    }
+    Some(DigitalFunction { x, first_channel: first_channel?, initial })
+}
 
+impl Component for DigitalFunction {
     fn claim(&self) -> Option<Claim> {
         let (first, initial) = (self.first_channel, self.initial.clone());
         Some(Claim { kind: ChannelKind::Dcu, first, initial, range: None })

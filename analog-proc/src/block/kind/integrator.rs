@@ -6,63 +6,57 @@ use crate::block::piecewise::Piecewise;
 
 kind! {
     /// `reset_to` is read just before the edge.
-    Integrator { ic: f64, limits: Option<[f64; 2]>, operate: Option<NetId>, reset: Option<NetId>, reset_to: Option<Input> }
+    Integrator(integrator) { ic: f64, limits: Option<[f64; 2]>, operate: Option<NetId>, reset: Option<NetId>, reset_to: Option<Input> }
     "integrator", "dy/dt = Σ",
     "`ic` (0); `limits = [low, high]`: feedback diodes, no wind-up; `operate`: logic net, holds while 0; `reset`: logic net, on its rising edge y takes `reset-to` (an input; default the IC) and stays while it is 1",
     r#"in = ["a", "-2 * b"], ic = 1.0, limits = [-5, 5], operate = "p""#, storage: Storage::State,
     class: Some(BlockClass::Integrator), size: (66.0, 48.0),
 }
 
-impl Component for Integrator {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let ic = f.number("ic", Some(0.0));
-        let limits = f.pair_or_none("limits");
-        let operate = f.net_or_none("operate");
-        let reset = f.net_or_none("reset");
-        let reset_to = f.input_or_none("reset-to");
-        if f.place("reset-to").is_some() && f.place("reset").is_none() {
-            f.missing("reset", "\"NET\", the logic net that triggers `reset-to`");
+fn integrator(f: &mut Fields<'_, '_>) -> Option<Integrator> {
+    let ic = f.number("ic", Some(0.0));
+    let limits = f.pair_or_none("limits");
+    let operate = f.net_or_none("operate");
+    let reset = f.net_or_none("reset");
+    let reset_to = f.input_or_none("reset-to");
+    if f.place("reset-to").is_some() && f.place("reset").is_none() {
+        f.missing("reset", "\"NET\", the logic net that triggers `reset-to`");
+        return None;
+    }
+    let (ic, limits) = (ic?, limits?);
+    if let Some([low, high]) = limits {
+        if !f.ordered("limits", low, high) {
             return None;
         }
-        let (ic, limits) = (ic?, limits?);
-        if let Some([low, high]) = limits {
-            if !f.ordered("limits", low, high) {
-                return None;
-            }
-            if ic < low || ic > high {
-                f.fault_at("ic", |src, at| PatchFault::IcOutsideLimits {
-                    src,
-                    at,
-                    ic,
-                    low,
-                    high,
-                    help: "the feedback diodes would conduct at once: move the IC or the limits"
-                        .into(),
-                });
-                return None;
-            }
+        if ic < low || ic > high {
+            f.fault_at("ic", |src, at| PatchFault::IcOutsideLimits {
+                src,
+                at,
+                ic,
+                low,
+                high,
+                help: "the feedback diodes would conduct at once: move the IC or the limits".into(),
+            });
+            return None;
         }
-        Some(Integrator { ic, limits, operate: operate?, reset: reset?, reset_to: reset_to? })
     }
+    Some(Integrator { ic, limits, operate: operate?, reset: reset?, reset_to: reset_to? })
+}
 
+impl Component for Integrator {
     fn sides(&self) -> Vec<Side> {
-        let Integrator { operate, reset, reset_to, .. } = *self;
-        let reset_to = reset_to.map(|Input { net, coefficient, .. }| Side {
-            mark: "IC",
-            net,
+        let reset_to = self.reset_to.map(|Input { net, coefficient, .. }| Side {
             coefficient,
             is_logic: false,
+            ..Side::logic("IC", net)
         });
-        let operate = operate.map(|net| Side::logic("OP", net));
-        let reset = reset.map(|net| Side::logic("R", net));
+        let operate = self.operate.map(|net| Side::logic("OP", net));
+        let reset = self.reset.map(|net| Side::logic("R", net));
         [reset_to, operate, reset].into_iter().flatten().collect()
     }
 
-    fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
-        to.m.ics[o as usize] = self.ic;
-    }
-
     fn lower_inputs(&self, to: &mut Lowering, block: &Block, o: Slot) {
+        to.m.ics[o as usize] = self.ic;
         let mut terms = to.terms(&block.inputs);
         let mut stops = None;
         if let Some([low, high]) = self.limits {

@@ -4,17 +4,13 @@ use super::*;
 use crate::block::logic::Store;
 
 kind! {
-    Sense { line: u32 }
+    Sense(f) { line: u32 = f.channel("line", ChannelKind::Sense, 1) }
     "sense", "logic to the digital side", "`line` 0–63", r#"in = ["p"], line = 0"#,
     takes_logic: true, gives_logic: true, class: Some(BlockClass::SenseLine),
     inputs: Inputs::exactly(1),
 }
 
 impl Component for Sense {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        Some(Sense { line: f.channel("line", ChannelKind::Sense, 1)? })
-    }
-
     fn claim(&self) -> Option<Claim> {
         Claim::one(ChannelKind::Sense, self.line, 0.0)
     }
@@ -30,19 +26,16 @@ impl Component for Sense {
 }
 
 kind! {
-    Control { line: u32, initial: bool }
+    Control(f) {
+        line: u32 = f.channel("line", ChannelKind::Control, 1),
+        initial: bool = f.flag("initial", false),
+    }
     "control", "logic from the digital side", "`line` 0–63; `initial` (false)", "line = 0",
-    inputs: Inputs::NONE, gives_logic: true, class: Some(BlockClass::ControlLine),
+    inputs: Inputs::exactly(0), gives_logic: true, class: Some(BlockClass::ControlLine),
     size: (52.0, 26.0),
 }
 
 impl Component for Control {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let line = f.channel("line", ChannelKind::Control, 1);
-        let initial = f.flag("initial", false);
-        Some(Control { line: line?, initial: initial? })
-    }
-
     fn claim(&self) -> Option<Claim> {
         Claim::one(ChannelKind::Control, self.line, f64::from(self.initial))
     }
@@ -58,17 +51,13 @@ impl Component for Control {
 }
 
 kind! {
-    Interrupt { line: u32 }
+    Interrupt(f) { line: u32 = f.channel("line", ChannelKind::Interrupt, 1) }
     "interrupt", "edges to the digital side, with their located instants", "`line` 0–31",
     r#"in = ["p"], line = 0"#, takes_logic: true, gives_logic: true,
     class: Some(BlockClass::InterruptLine), inputs: Inputs::exactly(1),
 }
 
 impl Component for Interrupt {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        Some(Interrupt { line: f.channel("line", ChannelKind::Interrupt, 1)? })
-    }
-
     fn claim(&self) -> Option<Claim> {
         Claim::one(ChannelKind::Interrupt, self.line, 0.0)
     }

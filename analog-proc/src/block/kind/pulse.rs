@@ -5,7 +5,7 @@ use crate::block::logic::Store;
 use crate::block::source::Timer;
 
 kind! {
-    FlipFlop { initial: bool }
+    FlipFlop(f) { initial: bool = f.flag("initial", false) }
     "flip-flop", "logic; set by in0, reset by in1 (reset wins)", "`initial` (false)",
     r#"in = ["p", "q"]"#, takes_logic: true, gives_logic: true, class: Some(BlockClass::Logic),
     inputs: Inputs::named(&[("set", "S"), ("reset", "R")]), storage: Storage::Value,
@@ -13,10 +13,6 @@ kind! {
 }
 
 impl Component for FlipFlop {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        Some(FlipFlop { initial: f.flag("initial", false)? })
-    }
-
     fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
         to.m.initial_nets[o as usize] = f64::from(self.initial);
     }
@@ -28,17 +24,13 @@ impl Component for FlipFlop {
 }
 
 kind! {
-    OneShot { width_s: f64 }
+    OneShot(f) { width_s: f64 = f.duration("width") }
     "one-shot", "logic: 1 for `width` after a rising edge", "`width` s",
     r#"in = ["p"], width = 0.1"#, takes_logic: true, gives_logic: true,
     class: Some(BlockClass::Logic), inputs: Inputs::exactly(1), storage: Storage::Value,
 }
 
 impl Component for OneShot {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        Some(OneShot { width_s: f.duration("width")? })
-    }
-
     fn lower(&self, _: &mut Lowering, _: &Block, _: Slot) {}
 
     fn lower_inputs(&self, to: &mut Lowering, block: &Block, o: Slot) {
@@ -63,23 +55,23 @@ impl Component for OneShot {
 }
 
 kind! {
-    Counter { modulo: u32 }
+    Counter(counter) { modulo: u32 }
     "counter", "analog: rising edges of in0, back to 0 by in1 if wired", "`modulo` (0: endless)",
     r#"in = ["p"], modulo = 10"#, takes_logic: true, class: Some(BlockClass::Logic),
     inputs: Inputs { least: 1, ..Inputs::named(&[("clock", ">"), ("reset", "R")]) },
     storage: Storage::Value,
 }
 
-impl Component for Counter {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let modulo = f.whole("modulo", Some(0))?;
-        let Ok(modulo) = u32::try_from(modulo) else {
-            f.out_of_range("modulo", modulo as f64, "at most 4294967295");
-            return None;
-        };
-        Some(Counter { modulo })
-    }
+fn counter(f: &mut Fields<'_, '_>) -> Option<Counter> {
+    let modulo = f.whole("modulo", Some(0))?;
+    let Ok(modulo) = u32::try_from(modulo) else {
+        f.out_of_range("modulo", modulo as f64, "at most 4294967295");
+        return None;
+    };
+    Some(Counter { modulo })
+}
 
+impl Component for Counter {
     fn lower(&self, _: &mut Lowering, _: &Block, _: Slot) {}
 
     fn lower_inputs(&self, to: &mut Lowering, block: &Block, o: Slot) {

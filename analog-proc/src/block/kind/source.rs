@@ -4,9 +4,6 @@ use super::*;
 use crate::block::source::{Timer, Waveform};
 use std::f64::consts::{PI, TAU};
 
-/// Two ticks a period, Hz.
-const MOST_FREQUENCY_HZ: f64 = 5e8;
-
 /// Wave form of a signal generator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wave {
@@ -21,42 +18,26 @@ pub enum Wave {
     Square,
 }
 
+const WAVES: &[(&str, Wave)] =
+    &[("step", Wave::Step), ("ramp", Wave::Ramp), ("sine", Wave::Sine), ("square", Wave::Square)];
+
 kind! {
-    Generator { wave: Wave, amplitude: f64, offset: f64, frequency_hz: f64, phase_rad: f64, start_s: f64 }
+    Generator(f) {
+        wave: Wave = f.word("wave", None, WAVES),
+        amplitude: f64 = f.number("amplitude", Some(1.0)),
+        offset: f64 = f.number("offset", Some(0.0)),
+        frequency_hz: f64 = f.ranged("frequency", Some(1.0), "above 0, at most 5e8",
+            |v| v > 0.0 && v <= 5e8),
+        phase_rad: f64 = f.number("phase", Some(0.0)),
+        start_s: f64 = f.number("start", Some(0.0)),
+    }
     "signal-generator", "a wave of time",
     r#"`wave`: `"step"`, `"ramp"`, `"sine"`, `"square"`; `amplitude` (1; slope of a ramp); `offset` (0); `frequency` Hz (1); `phase` rad (0; sine and square); `start` s (0)"#,
-    r#"wave = "sine", frequency = 0.5"#, inputs: Inputs::NONE,
+    r#"wave = "sine", frequency = 0.5"#, inputs: Inputs::exactly(0),
     class: Some(BlockClass::FunctionGenerator),
 }
 
 impl Component for Generator {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let waves = [
-            ("step", Wave::Step),
-            ("ramp", Wave::Ramp),
-            ("sine", Wave::Sine),
-            ("square", Wave::Square),
-        ];
-        let wave = f.word("wave", None, &waves);
-        let amplitude = f.number("amplitude", Some(1.0));
-        let offset = f.number("offset", Some(0.0));
-        let frequency_hz = f.positive("frequency", Some(1.0));
-        if frequency_hz.is_some_and(|f| f > MOST_FREQUENCY_HZ) {
-            f.out_of_range("frequency", frequency_hz?, "5e8 or less");
-            return None;
-        }
-        let phase_rad = f.number("phase", Some(0.0));
-        let start_s = f.number("start", Some(0.0));
-        Some(Generator {
-            wave: wave?,
-            amplitude: amplitude?,
-            offset: offset?,
-            frequency_hz: frequency_hz?,
-            phase_rad: phase_rad?,
-            start_s: start_s?,
-        })
-    }
-
     fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
         let Generator { wave, amplitude, offset, frequency_hz, phase_rad, start_s } = *self;
         to.m.initial_nets[o as usize] = offset;
@@ -108,19 +89,16 @@ impl Component for Generator {
 }
 
 kind! {
-    Noise { sigma: f64, every_s: f64, seed: u64 }
+    Noise(f) {
+        sigma: f64 = f.ranged("sigma", Some(1.0), "0 or greater", |v| v >= 0.0),
+        every_s: f64 = f.duration("every"),
+        seed: u64 = f.whole("seed", Some(0)),
+    }
     "noise", "normal deviates, renewed every `every`", "`every` s; `sigma` (1); `seed` (0)",
-    "every = 0.01, seed = 7", inputs: Inputs::NONE, class: Some(BlockClass::FunctionGenerator),
+    "every = 0.01, seed = 7", inputs: Inputs::exactly(0), class: Some(BlockClass::FunctionGenerator),
 }
 
 impl Component for Noise {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let sigma = f.ranged("sigma", Some(1.0), "0 or greater", |v| v >= 0.0);
-        let every_s = f.duration("every");
-        let seed = f.whole("seed", Some(0));
-        Some(Noise { sigma: sigma?, every_s: every_s?, seed: seed? })
-    }
-
     fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
         let noise = to.m.noises.len() as u32;
         to.m.noises.push((self.sigma, self.seed));
@@ -141,15 +119,11 @@ impl Component for Noise {
 }
 
 kind! {
-    Constant { value: f64 }
-    "constant", "`value`", "`value`", "value = 1.0", inputs: Inputs::NONE, size: (54.0, 26.0),
+    Constant(f) { value: f64 = f.number("value", None) }
+    "constant", "`value`", "`value`", "value = 1.0", inputs: Inputs::exactly(0), size: (54.0, 26.0),
 }
 
 impl Component for Constant {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        Some(Constant { value: f.number("value", None)? })
-    }
-
     fn lower(&self, to: &mut Lowering, _: &Block, o: Slot) {
         to.m.initial_nets[o as usize] = self.value;
     }
@@ -162,7 +136,7 @@ impl Component for Constant {
 
 kind! {
     Time
-    "time", "problem time, s", "", "", inputs: Inputs::NONE, size: (34.0, 34.0),
+    "time", "problem time, s", "", "", inputs: Inputs::exactly(0), size: (34.0, 34.0),
 }
 
 impl Component for Time {

@@ -27,15 +27,11 @@ impl Component for Inverter {
 }
 
 kind! {
-    Gain { k: f64 }
+    Gain(f) { k: f64 = f.number("k", None) }
     "gain", "k Σ", "`k`", r#"in = ["a"], k = 3.0"#, class: Some(BlockClass::Amplifier),
 }
 
 impl Component for Gain {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        Some(Gain { k: f.number("k", None)? })
-    }
-
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         to.weighted(o, block, self.k);
     }
@@ -47,26 +43,28 @@ impl Component for Gain {
 }
 
 kind! {
-    Pot { k: f64 }
+    Pot(pot) { k: f64 }
     "pot", "k in0", "`k`, 0 to 1", r#"in = ["a"], k = 0.3"#, inputs: Inputs::exactly(1),
     class: Some(BlockClass::Potentiometer), size: (34.0, 34.0),
 }
 
-impl Component for Pot {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let value = f.number("k", None)?;
-        if (0.0..=1.0).contains(&value) {
-            return Some(Pot { k: value });
-        }
-        f.fault_at("k", |src, at| PatchFault::PotFraction {
-            src,
-            at,
-            value,
-            help: "a pot attenuates; use a `gain` block, or a coefficient on the input, for anything else".into(),
-        });
-        None
+fn pot(f: &mut Fields<'_, '_>) -> Option<Pot> {
+    let value = f.number("k", None)?;
+    if (0.0..=1.0).contains(&value) {
+        return Some(Pot { k: value });
     }
+    f.fault_at("k", |src, at| PatchFault::PotFraction {
+        src,
+        at,
+        value,
+        help:
+            "a pot attenuates; use a `gain` block, or a coefficient on the input, for anything else"
+                .into(),
+    });
+    None
+}
 
+impl Component for Pot {
     fn lower(&self, to: &mut Lowering, block: &Block, o: Slot) {
         to.weighted(o, block, self.k);
     }

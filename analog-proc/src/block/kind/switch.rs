@@ -3,17 +3,13 @@
 use super::*;
 
 kind! {
-    Switch { control: NetId }
+    Switch(f) { control: NetId = f.net("control") }
     "switch", "in0 while `control` is 1, else in1", "`control`: logic net",
     r#"in = ["a", "b"], control = "p""#,
     inputs: Inputs::named(&[("when 1", "1"), ("when 0", "0")]), class: Some(BlockClass::Switch),
 }
 
 impl Component for Switch {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        Some(Switch { control: f.net("control")? })
-    }
-
     fn sides(&self) -> Vec<Side> {
         vec![Side::logic("C", self.control)]
     }
@@ -34,19 +30,13 @@ impl Component for Switch {
 }
 
 kind! {
-    TrackStore { track: NetId, ic: f64 }
+    TrackStore(f) { track: NetId = f.net("track"), ic: f64 = f.number("ic", Some(0.0)) }
     "track-store", "follows Σ while `track` is 1, then keeps it", "`track`: logic net; `ic` (0)",
     r#"in = ["a"], track = "p""#, class: Some(BlockClass::Integrator),
     symbol: |pen| pen.boxed("T/S"),
 }
 
 impl Component for TrackStore {
-    fn read(f: &mut Fields<'_, '_>) -> Option<Self> {
-        let track = f.net("track");
-        let ic = f.number("ic", Some(0.0));
-        Some(TrackStore { track: track?, ic: ic? })
-    }
-
     fn sides(&self) -> Vec<Side> {
         vec![Side::logic("T", self.track)]
     }
