@@ -21,6 +21,7 @@ mod common;
 use std::{hint::black_box, path::Path};
 
 use analog_proc::block::dac::DacPiece;
+use analog_proc::block::kind::Multiplier;
 use analog_proc::net::{Integration, Kind};
 use analog_proc::patch::{bundle_from_path, compile};
 use analog_proc::simulation::Simulation;
@@ -137,8 +138,8 @@ fn lorenz(c: &mut Criterion) {
     patch.add("x", integrator(1.0), &["10 * y", "-10 * x"]);
     patch.add("y", integrator(1.0), &["28 * x", "-1 * y", "-1 * xz"]);
     patch.add("z", integrator(1.0), &["xy", "-2.6666666666666665 * z"]);
-    patch.add("xz", Kind::Multiplier, &["x", "z"]);
-    patch.add("xy", Kind::Multiplier, &["x", "y"]);
+    patch.add("xz", Kind::Multiplier(Multiplier), &["x", "z"]);
+    patch.add("xy", Kind::Multiplier(Multiplier), &["x", "y"]);
     let f = |_: f64, &[x, y, z]: &[f64; 3]| {
         [10.0 * y - 10.0 * x, 28.0 * x - y - x * z, x * y - 2.666_666_666_666_666_5 * z]
     };

@@ -7,9 +7,10 @@
 
 mod supply;
 
-pub use supply::{against_profile, class, needs};
+pub use supply::{against_profile, needs};
 
-use crate::net::{Block, Kind, NetId, Span};
+use crate::block::kind::linkage;
+use crate::net::{Block, NetId, Span};
 use crate::patch::{Draft, Faults, PatchFault};
 use miette::LabeledSpan;
 use std::collections::HashMap;
@@ -18,21 +19,6 @@ use std::collections::HashMap;
 #[derive(Debug)]
 pub(crate) struct Checked {
     pub(crate) draft: Draft,
-}
-
-/// Whether a kind takes logic inputs.
-pub fn takes_logic(kind: &Kind) -> bool {
-    matches!(
-        kind,
-        Kind::And
-            | Kind::Or
-            | Kind::Not
-            | Kind::FlipFlop { .. }
-            | Kind::OneShot { .. }
-            | Kind::Counter { .. }
-            | Kind::Sense { .. }
-            | Kind::Interrupt { .. }
-    )
 }
 
 /// Checks a draft; faults are added to those of the stages before.
@@ -56,7 +42,7 @@ pub(crate) fn check(draft: Draft, faults: &mut Faults) -> Checked {
 
 /// Logic to logic, analog to analog.
 fn wiring(block: &Block, draft: &Draft, faults: &mut Faults) {
-    let wants_logic = takes_logic(&block.kind);
+    let wants_logic = block.kind.facts().takes_logic;
     for input in &block.inputs {
         expect(wants_logic, input.net, input.span, block, draft, faults);
         if wants_logic && input.coefficient != 1.0 {
@@ -69,15 +55,8 @@ fn wiring(block: &Block, draft: &Draft, faults: &mut Faults) {
             });
         }
     }
-    let logic_fields: Vec<NetId> = match &block.kind {
-        Kind::Integrator { operate, reset, .. } => operate.iter().chain(reset).copied().collect(),
-        Kind::Switch { control } => vec![*control],
-        Kind::TrackStore { track, .. } => vec![*track],
-        _ => Vec::new(),
-    };
-    for net in block.kind.side_nets() {
-        let is_logic = logic_fields.contains(&net);
-        expect(is_logic, net, block.span, block, draft, faults);
+    for side in block.kind.component().sides() {
+        expect(side.is_logic, side.net, block.span, block, draft, faults);
     }
 }
 
@@ -115,28 +94,14 @@ fn expect(
     }
 }
 
-/// Channel numbers that a kind claims: what, first, how many.
-fn claims(kind: &Kind) -> Option<(&'static str, u32, usize)> {
-    Some(match kind {
-        Kind::Adc { channel } => ("ADC channel", *channel, 1),
-        Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => ("DAC channel", *channel, 1),
-        Kind::Dcu { channel, .. } => ("DCU", *channel, 1),
-        Kind::DigitalFunction { x, first_channel, .. } => ("DCU", *first_channel, x.len()),
-        Kind::Sense { line } => ("sense line", *line, 1),
-        Kind::Control { line, .. } => ("control line", *line, 1),
-        Kind::Interrupt { line } => ("interrupt line", *line, 1),
-        _ => return None,
-    })
-}
-
 fn channels(draft: &Draft, faults: &mut Faults) {
-    let mut taken: HashMap<(&'static str, u32), Span> = HashMap::new();
+    let mut taken: HashMap<(&str, u32), Span> = HashMap::new();
     for (block, broken) in draft.netlist.blocks.iter().zip(&draft.broken) {
-        let Some((what, first, count)) = claims(&block.kind).filter(|_| !broken) else {
+        let Some(claim) = block.kind.component().claim().filter(|_| !broken) else {
             continue;
         };
-        let end = first.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
-        for number in first..end {
+        let (what, _) = linkage(claim.kind);
+        for (number, _) in (claim.first..).zip(&claim.initial) {
             let Some(earlier) = taken.insert((what, number), block.span) else {
                 continue;
             };

@@ -106,12 +106,4 @@ pub enum RunFault {
         /// Its value.
         value: f64,
     },
-    /// A block that the checker should have refused.
-    #[error("block `{block}` cannot be wired: {reason}")]
-    Malformed {
-        /// The block.
-        block: String,
-        /// What is wrong.
-        reason: &'static str,
-    },
 }

@@ -19,7 +19,6 @@ use crate::block::pace::Pace;
 use crate::block::piecewise::{Piecewise, UNSET};
 use crate::block::source::{Noise, Timer, Waveform};
 use crate::block::surface::Table;
-use crate::fault::RunFault;
 use crate::kernel::{Kernel, Step};
 use crate::net::BlockId;
 use crate::op::{Op, Slot, Term};
@@ -122,11 +121,7 @@ pub(crate) struct Frozen {
 
 impl Machine {
     /// Lowers an ordered net.
-    ///
-    /// # Errors
-    /// [`RunFault::Malformed`] for a block with missing inputs or an empty table,
-    /// which the checker refuses with a better message.
-    pub fn new(ordered: &Ordered) -> Result<Machine, RunFault> {
+    pub fn new(ordered: &Ordered) -> Machine {
         crate::block::lower(ordered)
     }
 

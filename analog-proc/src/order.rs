@@ -80,9 +80,9 @@ fn feedthrough(block: &Block, netlist: &Netlist) -> Vec<Edge> {
         return Vec::new();
     }
     let inputs = block.inputs.iter().map(|input| (input.net, input.span));
-    let sides = block.kind.side_nets().into_iter();
+    let sides = block.kind.component().sides().into_iter();
     inputs
-        .chain(sides.map(|net| (net, block.span)))
+        .chain(sides.map(|side| (side.net, block.span)))
         .map(|(net, span)| Edge { from: netlist.nets[net.index()].driver.index(), span })
         .collect()
 }

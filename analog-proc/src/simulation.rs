@@ -84,7 +84,7 @@ impl Simulation {
     pub fn new(ordered: &Ordered) -> Result<Simulation, RunFault> {
         let integration = ordered.netlist.integration;
         check(&integration)?;
-        let machine = Machine::new(ordered)?;
+        let machine = Machine::new(ordered);
         let engine = Engine::new(machine, integration);
         let mut simulation = Simulation {
             engine,

@@ -1,7 +1,7 @@
 //! Lowering: each kind of block becomes operations, elements and stores of the machine.
 //!
-//! Blocks are grouped by concept; this file walks the evaluation order and
-//! holds the builder that all of them use. A compound block (lag, follower,
+//! What a kind becomes stands with the kind ([`kind`]); this file walks the evaluation
+//! order and holds the builder that all of them use. A compound block (lag, follower,
 //! backlash) becomes the wiring that a programmer would patch for it.
 
 pub(crate) mod curve;
@@ -9,27 +9,27 @@ pub mod dac;
 pub(crate) mod delay;
 pub(crate) mod friction;
 pub(crate) mod integrator;
+pub mod kind;
 pub mod logic;
-mod lower;
 pub(crate) mod pace;
 pub(crate) mod piecewise;
 pub(crate) mod source;
 pub(crate) mod surface;
 
+use self::kind::Storage;
 use curve::{Curve, Piece, band};
 use pace::Pace;
 use piecewise::Piecewise;
 
-use crate::fault::RunFault;
 use crate::kernel::{Kernel, fold};
 use crate::machine::{Machine, Settle};
-use crate::net::{BlockId, Input, Kind, Level};
+use crate::net::{Block, BlockId, Input, Level};
 use crate::op::{Op, Slot, Term, behind, degrees, powers};
 use crate::order::Ordered;
 use crate::overload::OVERLOAD_FACTOR;
 
 /// The machine under construction.
-struct Lowering {
+pub(crate) struct Lowering {
     m: Machine,
     /// Whether a slot varies within a step.
     varying: Vec<bool>,
@@ -46,16 +46,6 @@ struct Lowering {
     block: BlockId,
 }
 
-fn holds_state(kind: &Kind) -> bool {
-    matches!(
-        kind,
-        Kind::Integrator { .. }
-            | Kind::RateLimiter { .. }
-            | Kind::Backlash { .. }
-            | Kind::Lag { .. }
-    )
-}
-
 /// The degree up to which a side is judged from the ends of a step: a quartic's error is known
 /// from the change of its third derivative, and the peaks of a product of four sines are still
 /// seen from the ends of a step of an eighth of a turn.
@@ -68,7 +58,7 @@ fn halvings(degree: u32) -> u8 {
 }
 
 /// Lowers an ordered net.
-pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
+pub(crate) fn lower(ordered: &Ordered) -> Machine {
     let netlist = &ordered.netlist;
     let mut states = 0_u32;
     let mut slot_of_net = vec![u32::MAX; netlist.nets.len()];
@@ -76,7 +66,7 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
     let mut block_of_state = Vec::new();
     let mut scales = Vec::new();
     for (i, block) in netlist.blocks.iter().enumerate() {
-        if holds_state(&block.kind)
+        if block.kind.facts().storage == Storage::State
             && let Some(net) = block.outputs.first()
         {
             slot_of_net[net.index()] = states;
@@ -148,14 +138,20 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
         angles: Vec::new(),
         block: BlockId(0),
     };
-    for id in &ordered.order {
-        lowering.block = *id;
-        lowering.outputs(ordered)?;
+    let blocks = ordered.order.iter().map(|id| (*id, &netlist.blocks[id.index()]));
+    for (id, block) in blocks.clone() {
+        lowering.block = id;
+        let o = lowering.slot(block.outputs[0]);
+        if block.kind.facts().storage != Storage::State {
+            block.kind.component().lower(&mut lowering, block, o);
+        }
+        lowering.overload(o, block.max);
     }
     // Stores read nets that come later in the order: their inputs are wired last.
-    for id in &ordered.order {
-        lowering.block = *id;
-        lowering.inputs_of_stores(ordered)?;
+    for (id, block) in blocks {
+        lowering.block = id;
+        let o = lowering.slot(block.outputs[0]);
+        block.kind.component().lower_inputs(&mut lowering, block, o);
     }
     let Lowering { mut m, rates, fast, watched: read_by, block_of_fast, .. } = lowering;
     let mut seen = read_by.concat();
@@ -190,14 +186,14 @@ pub(crate) fn lower(ordered: &Ordered) -> Result<Machine, RunFault> {
     }
     m.smooth = m.halvings.iter().all(|n| *n == 0);
     m.kernel = fold(&fast, &m.terms, &rates, m.slots);
-    Ok(m)
+    m
+}
+
+fn scaled(terms: Vec<Term>, factor: f64) -> Vec<Term> {
+    terms.into_iter().map(|t| Term { slot: t.slot, c: factor * t.c }).collect()
 }
 
 impl Lowering {
-    fn malformed(&self, reason: &'static str) -> RunFault {
-        RunFault::Malformed { block: self.m.block_name(self.block), reason }
-    }
-
     fn term(&self, input: &Input) -> Term {
         Term { slot: self.slot(input.net), c: input.coefficient }
     }
@@ -219,15 +215,13 @@ impl Lowering {
         slot
     }
 
-    fn constant(&mut self, value: f64) -> Slot {
-        let slot = self.hidden();
-        self.m.initial_nets[slot as usize] = value;
-        slot
-    }
-
     fn level(&mut self, level: Level) -> Slot {
         match level {
-            Level::Fixed(value) => self.constant(value),
+            Level::Fixed(value) => {
+                let slot = self.hidden();
+                self.m.initial_nets[slot as usize] = value;
+                slot
+            }
             Level::Net(net) => self.slot(net),
         }
     }
@@ -270,22 +264,30 @@ impl Lowering {
     }
 
     /// One term that carries `Σ inputs`, through a hidden net where there are several.
-    fn sum(&mut self, inputs: &[Input]) -> Result<Term, RunFault> {
-        let terms = self.terms(inputs);
-        match *terms {
-            [] => Err(self.malformed("it needs at least one input")),
-            [one] => Ok(one),
-            _ => {
-                let slot = self.hidden();
-                self.sum_into(slot, &terms);
-                Ok(Term { slot, c: 1.0 })
-            }
+    fn sum(&mut self, inputs: &[Input]) -> Term {
+        if let [one] = inputs {
+            return self.term(one);
         }
+        let slot = self.hidden();
+        self.sum_into(slot, &self.terms(inputs));
+        Term { slot, c: 1.0 }
     }
 
-    fn exactly<const N: usize>(&self, inputs: &[Input]) -> Result<[Term; N], RunFault> {
-        <[Term; N]>::try_from(self.terms(inputs))
-            .map_err(|_| self.malformed("wrong number of inputs"))
+    /// `o = factor · Σ`.
+    fn weighted(&mut self, o: Slot, block: &Block, factor: f64) {
+        self.sum_into(o, &scaled(self.terms(&block.inputs), factor));
+    }
+
+    /// `o` by an operation on `Σ` alone.
+    fn through(&mut self, o: Slot, block: &Block, op: impl FnOnce(Term) -> Op) {
+        let u = self.sum(&block.inputs);
+        let varying = self.vary(&[u.slot]);
+        self.push(op(u), &[o], varying);
+    }
+
+    /// The inputs of a kind that takes so many.
+    fn exactly<const N: usize>(&self, inputs: &[Input]) -> [Term; N] {
+        std::array::from_fn(|i| self.term(&inputs[i]))
     }
 
     /// Adds an element and its decision; `reads` are the nets of its sides.
@@ -300,7 +302,8 @@ impl Lowering {
         e
     }
 
-    fn curve(&mut self, u: Term, corners: &[f64], pieces: &[Piece]) -> (u32, Curve) {
+    /// `o = curve(u)`.
+    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> Curve {
         let curve = Curve {
             u,
             start: self.m.breakpoints.len() as u32,
@@ -310,12 +313,7 @@ impl Lowering {
         };
         self.m.breakpoints.extend_from_slice(corners);
         self.m.initial_pieces.extend_from_slice(pieces);
-        (self.element(Piecewise::Curve(curve), &[u.slot]), curve)
-    }
-
-    /// `o = curve(u)`.
-    fn curve_into(&mut self, o: Slot, u: Term, corners: &[f64], pieces: &[Piece]) -> Curve {
-        let (e, curve) = self.curve(u, corners, pieces);
+        let e = self.element(Piecewise::Curve(curve), &[u.slot]);
         let varying = self.vary(&[u.slot]);
         self.push(Op::Curve { o, e, a: u.slot, c: u.c }, &[o], varying);
         curve
@@ -348,21 +346,5 @@ impl Lowering {
 
     fn rate(&mut self, state: u32, terms: &[Term]) {
         self.rates.push((state, terms.to_vec()));
-    }
-
-    fn dac(&mut self, channel: u32, initial: f64) -> u32 {
-        let known = self.m.dac_channels.iter().position(|d| d.0 == channel);
-        known.unwrap_or_else(|| {
-            self.m.dac_channels.push((channel, initial));
-            self.m.dac_channels.len() - 1
-        }) as u32
-    }
-
-    fn dcu(&mut self, channel: u32, initial: f64) -> u32 {
-        let known = self.m.dcu_channels.iter().position(|d| d.0 == channel);
-        known.unwrap_or_else(|| {
-            self.m.dcu_channels.push((channel, initial));
-            self.m.dcu_channels.len() - 1
-        }) as u32
     }
 }

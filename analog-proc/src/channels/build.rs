@@ -4,10 +4,7 @@
 //! once. Whether the profile has enough converters is checked before.
 
 use super::{AdcChannel, Channels, DacChannel, DcuChannel, Line, Saturations};
-use crate::{
-    net::{Kind, Netlist},
-    simulation::Simulation,
-};
+use crate::{net::Netlist, simulation::Simulation};
 use interface::{
     control::{Channel, ChannelKind},
     hold::Hold,
@@ -37,48 +34,36 @@ impl Channels {
         };
         let mut faults = Vec::new();
         for block in &netlist.blocks {
-            let mut fault =
-                |e: &dyn std::fmt::Display| faults.push(format!("`{}`: {e}", block.name));
+            let Some(claim) = block.kind.component().claim() else {
+                continue;
+            };
             let net = block.outputs[0];
-            match block.kind {
-                Kind::Adc { channel } => match profile.adc_converter(block.max) {
-                    Ok(converter) => {
-                        channels.adc.push(AdcChannel { channel: channel as usize, net, converter })
-                    }
-                    Err(e) => fault(&e),
-                },
-                Kind::Dac { channel, initial } | Kind::Mdac { channel, initial } => {
-                    match profile.dac_converter(block.max) {
-                        Ok(converter) => channels.dac.push(DacChannel {
-                            channel: channel as usize,
-                            converter,
-                            hold: Hold::new(profile.hold(), initial),
-                            value: initial,
-                        }),
-                        Err(e) => fault(&e),
-                    }
-                }
-                Kind::Dcu { channel, initial, range } => match profile.coefficient_unit(range) {
-                    Ok(unit) => channels.dcu.push(DcuChannel {
-                        channel: channel as usize,
-                        unit,
-                        value: initial,
+            for (channel, value) in (claim.first as usize..).zip(claim.initial) {
+                let made = match claim.kind {
+                    ChannelKind::Adc => profile.adc_converter(block.max).map(|converter| {
+                        channels.adc.push(AdcChannel { channel, net, converter });
                     }),
-                    Err(e) => fault(&e),
-                },
-                Kind::DigitalFunction { first_channel, ref initial, .. } => {
-                    match profile.coefficient_unit(None) {
-                        Ok(unit) => channels.dcu.extend(
-                            (first_channel as usize..)
-                                .zip(initial)
-                                .map(|(channel, &value)| DcuChannel { channel, unit, value }),
-                        ),
-                        Err(e) => fault(&e),
+                    ChannelKind::Dac => profile.dac_converter(block.max).map(|converter| {
+                        let hold = Hold::new(profile.hold(), value);
+                        channels.dac.push(DacChannel { channel, converter, hold, value });
+                    }),
+                    ChannelKind::Dcu => profile.coefficient_unit(claim.range).map(|unit| {
+                        channels.dcu.push(DcuChannel { channel, unit, value });
+                    }),
+                    ChannelKind::Sense => {
+                        channels.sense.push(Line { line: channel, net });
+                        Ok(())
                     }
+                    ChannelKind::Control => {
+                        channels.control.push((channel, value != 0.0));
+                        Ok(())
+                    }
+                    ChannelKind::Interrupt => Ok(()),
+                };
+                if let Err(e) = made {
+                    faults.push(format!("`{}`: {e}", block.name));
+                    break;
                 }
-                Kind::Sense { line } => channels.sense.push(Line { line: line as usize, net }),
-                Kind::Control { line, initial } => channels.control.push((line as usize, initial)),
-                _ => {}
             }
         }
         if !faults.is_empty() {
@@ -119,33 +104,16 @@ impl Channels {
     pub fn describe(&self, netlist: &Netlist) -> Vec<Channel> {
         let mut described = Vec::new();
         for block in &netlist.blocks {
-            let (kind, number, count) = match block.kind {
-                Kind::Adc { channel } => (ChannelKind::Adc, channel, 1),
-                Kind::Dac { channel, .. } | Kind::Mdac { channel, .. } => {
-                    (ChannelKind::Dac, channel, 1)
-                }
-                Kind::Dcu { channel, .. } => (ChannelKind::Dcu, channel, 1),
-                Kind::DigitalFunction { first_channel, ref x, .. } => {
-                    (ChannelKind::Dcu, first_channel, x.len())
-                }
-                Kind::Sense { line } => (ChannelKind::Sense, line, 1),
-                Kind::Control { line, .. } => (ChannelKind::Control, line, 1),
-                Kind::Interrupt { line } => (ChannelKind::Interrupt, line, 1),
-                _ => continue,
+            let Some(claim) = block.kind.component().claim() else {
+                continue;
             };
-            for i in 0..count {
+            let count = claim.initial.len();
+            for (i, number) in (0..count).zip(claim.first..) {
                 // The ordinates of a function generator are NAME[0], NAME[1], …
-                let name = if matches!(block.kind, Kind::DigitalFunction { .. }) {
-                    format!("{}[{i}]", block.name)
-                } else {
-                    block.name.clone()
-                };
-                described.push(Channel {
-                    kind,
-                    name,
-                    number: number + i as u32,
-                    full_scale: block.max,
-                });
+                let name =
+                    if count > 1 { format!("{}[{i}]", block.name) } else { block.name.clone() };
+                let full_scale = block.max;
+                described.push(Channel { kind: claim.kind, name, number, full_scale });
             }
         }
         described

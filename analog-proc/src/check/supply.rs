@@ -1,61 +1,15 @@
 //! Whether a machine has the blocks that a patch needs.
 
-use crate::net::{BlockId, Kind, Netlist};
+use crate::net::Netlist;
 use crate::order::Ordered;
 use crate::patch::{Faults, PatchFault, PatchFaults};
 use interface::profile::{BlockClass, Profile};
 use std::collections::BTreeMap;
 
-/// The class of equipment that a kind takes from a machine; `None` for what every machine has
-/// without number (constants, problem time).
-pub fn class(kind: &Kind) -> Option<BlockClass> {
-    Some(match kind {
-        Kind::Integrator { .. }
-        | Kind::TrackStore { .. }
-        | Kind::Lag { .. }
-        | Kind::RateLimiter { .. } => BlockClass::Integrator,
-        Kind::Summer | Kind::Inverter | Kind::Gain { .. } => BlockClass::Amplifier,
-        Kind::Multiplier | Kind::Divider | Kind::Square | Kind::SquareRoot => {
-            BlockClass::Multiplier
-        }
-        Kind::Resolver | Kind::Sine | Kind::Cosine | Kind::Arctangent => BlockClass::Resolver,
-        Kind::Function { .. }
-        | Kind::Function2d { .. }
-        | Kind::DigitalFunction { .. }
-        | Kind::TransportDelay { .. }
-        | Kind::Generator { .. }
-        | Kind::Noise { .. } => BlockClass::FunctionGenerator,
-        Kind::Pot { .. } => BlockClass::Potentiometer,
-        Kind::Dcu { .. } => BlockClass::Dcu,
-        Kind::Dac { .. } => BlockClass::Dac,
-        Kind::Mdac { .. } => BlockClass::Mdac,
-        Kind::Adc { .. } => BlockClass::AdcChannel,
-        Kind::Comparator { .. } | Kind::Relay { .. } => BlockClass::Comparator,
-        Kind::Switch { .. } => BlockClass::Switch,
-        Kind::DeadZone { .. }
-        | Kind::Limiter { .. }
-        | Kind::Backlash { .. }
-        | Kind::DryFriction { .. }
-        | Kind::Abs
-        | Kind::Min
-        | Kind::Max => BlockClass::DiodeNetwork,
-        Kind::And
-        | Kind::Or
-        | Kind::Not
-        | Kind::FlipFlop { .. }
-        | Kind::OneShot { .. }
-        | Kind::Counter { .. } => BlockClass::Logic,
-        Kind::Sense { .. } => BlockClass::SenseLine,
-        Kind::Control { .. } => BlockClass::ControlLine,
-        Kind::Interrupt { .. } => BlockClass::InterruptLine,
-        Kind::Constant { .. } | Kind::Time => return None,
-    })
-}
-
 /// Blocks of each class that a net needs.
 pub fn needs(netlist: &Netlist) -> BTreeMap<BlockClass, u32> {
     let mut needs = BTreeMap::new();
-    for class in netlist.blocks.iter().filter_map(|block| class(&block.kind)) {
+    for class in netlist.blocks.iter().filter_map(|block| block.kind.facts().class) {
         *needs.entry(class).or_insert(0) += 1;
     }
     needs
@@ -72,15 +26,13 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
     let Some(worst) = shortfalls.first() else {
         return Ok(());
     };
-    let takes = |kind: &Kind| {
-        let class = class(kind);
+    let takes = |index: &usize| {
+        let class = netlist.blocks[*index].kind.facts().class;
         class == Some(worst.class)
             || (worst.class == BlockClass::Dac && class == Some(BlockClass::Mdac))
     };
-    let first_without = (0..netlist.blocks.len())
-        .filter(|index| takes(&netlist.blocks[*index].kind))
-        .nth(worst.available as usize)
-        .unwrap_or(0);
+    let first_without =
+        (0..netlist.blocks.len()).filter(takes).nth(worst.available as usize).unwrap_or(0);
     let mut table = format!("  {:<20} {:>7} {:>10}", "class", "needed", "available");
     for class in BlockClass::ALL {
         let short = shortfalls.iter().find(|s| s.class == class);
@@ -95,7 +47,7 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
         table.push_str(&row);
     }
     let mut faults = Faults::new(ordered.sources().clone(), ordered.root());
-    let block = &netlist.blocks[BlockId(u32::try_from(first_without).unwrap_or(0)).index()];
+    let block = &netlist.blocks[first_without];
     faults.push(block.span, |src, at| PatchFault::TooManyBlocks {
         src,
         at,

@@ -47,7 +47,7 @@ impl Check {
         let disagree = lines.iter().filter(|l| !l.agrees).count();
         let count =
             |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
-        let integrators = count(|k| matches!(k, Kind::Integrator { .. } | Kind::Lag { .. }));
+        let integrators = count(|k| matches!(k, Kind::Integrator(_) | Kind::Lag(_)));
         let logic = count(Kind::is_logic);
         if self.patch.json {
             let report = serde_json::json!({

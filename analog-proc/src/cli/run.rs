@@ -133,8 +133,7 @@ impl Run {
     fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
         let netlist = &ordered.netlist;
         if self.record.is_empty() {
-            let is_state =
-                |b: &&Block| matches!(b.kind, Kind::Integrator { .. } | Kind::Lag { .. });
+            let is_state = |b: &&Block| matches!(b.kind, Kind::Integrator(_) | Kind::Lag(_));
             let mut blocks: Vec<&Block> = netlist.blocks.iter().filter(is_state).collect();
             if blocks.is_empty() {
                 blocks = netlist.blocks.iter().collect();

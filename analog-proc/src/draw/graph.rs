@@ -4,7 +4,7 @@
 //! and since every loop holds a store, they can always be broken at a store's
 //! input. Chains of integrators (`x = ∫v`) are kept in one piece if they can be.
 
-use crate::net::{Block, Kind, Netlist};
+use crate::net::{Block, Netlist};
 use crate::order::Ordered;
 
 /// Above this many blocks the search for the best place to break loops would take
@@ -87,31 +87,14 @@ fn ports(block: &Block, netlist: &Netlist) -> Vec<Port> {
     };
     let mut list: Vec<Port> =
         block.inputs.iter().map(|i| port(i.net.index(), i.coefficient, Role::Input)).collect();
-    let mut side = |net: crate::net::NetId, coefficient: f64, name: &'static str| {
-        list.push(port(net.index(), coefficient, Role::Side(name)));
-    };
-    use crate::net::Level::Net;
-    match &block.kind {
-        Kind::Integrator { operate, reset, reset_to, .. } => {
-            if let Some(input) = reset_to {
-                side(input.net, input.coefficient, "IC");
-            }
-            operate.iter().for_each(|net| side(*net, 1.0, "OP"));
-            reset.iter().for_each(|net| side(*net, 1.0, "R"));
-        }
-        Kind::DeadZone { width: Net(net) } => side(*net, 1.0, "w"),
-        Kind::Limiter { low, high } => {
-            if let Net(net) = high {
-                side(*net, 1.0, "hi");
-            }
-            if let Net(net) = low {
-                side(*net, 1.0, "lo");
-            }
-        }
-        Kind::Switch { control } => side(*control, 1.0, "C"),
-        Kind::TrackStore { track, .. } => side(*track, 1.0, "T"),
-        _ => {}
-    }
+    list.extend(
+        block
+            .kind
+            .component()
+            .sides()
+            .into_iter()
+            .map(|side| port(side.net.index(), side.coefficient, Role::Side(side.mark))),
+    );
     list
 }
 

@@ -1,7 +1,7 @@
 //! Numbers as they stand in a drawing: short, with a true minus sign.
 
 /// A number with at most four significant digits.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }

@@ -9,10 +9,14 @@
 mod graph;
 mod label;
 mod level;
+mod pen;
 mod place;
 mod route;
 mod sheet;
 mod symbol;
+
+pub(crate) use label::number;
+pub(crate) use pen::{Pen, round};
 
 use crate::net::Netlist;
 use crate::order::Ordered;

@@ -7,7 +7,7 @@
 use super::graph::{Graph, Role};
 use super::level;
 use super::symbol::{self, Size};
-use crate::net::{Kind, Netlist};
+use crate::net::Netlist;
 use std::collections::HashMap;
 
 /// Sweeps over all columns.
@@ -268,7 +268,7 @@ fn sort_ports(graph: &mut Graph, netlist: &Netlist, columns: &[Vec<usize>], layo
         }
     }
     for block in 0..graph.ports.len() {
-        if !inputs_commute(&netlist.blocks[block].kind) {
+        if !netlist.blocks[block].kind.facts().inputs.roles.is_empty() {
             continue;
         }
         let layer = graph.layer[block];
@@ -297,18 +297,4 @@ fn sort_ports(graph: &mut Graph, netlist: &Netlist, columns: &[Vec<usize>], layo
         indices.sort_by(|&a, &b| is_side(a).cmp(&is_side(b)).then(keys[a].total_cmp(&keys[b])));
         graph.ports[block] = indices.into_iter().map(|i| graph.ports[block][i].clone()).collect();
     }
-}
-
-fn inputs_commute(kind: &Kind) -> bool {
-    !matches!(
-        kind,
-        Kind::Divider
-            | Kind::Resolver
-            | Kind::Arctangent
-            | Kind::Function2d { .. }
-            | Kind::DryFriction { .. }
-            | Kind::Switch { .. }
-            | Kind::FlipFlop { .. }
-            | Kind::Counter { .. }
-    )
 }

@@ -6,8 +6,8 @@
 use super::graph::{Graph, Role};
 use super::place::{Item, Layout};
 use super::route::Routes;
-use super::symbol::{self, round};
 use super::{BORDER, Columns, HEAD, STYLE, extent, port_texts, text_width};
+use super::{round, symbol};
 use crate::net::{Kind, Netlist};
 use crate::order::Ordered;
 use std::collections::BTreeMap;
@@ -37,12 +37,8 @@ impl Sheet<'_> {
         let title = &self.netlist.title;
         let width = f64::max(self.columns.total, 2.0 * BORDER + 1.9 * text_width(title));
         let count = self.netlist.blocks.len();
-        let integrators = self
-            .netlist
-            .blocks
-            .iter()
-            .filter(|b| matches!(b.kind, Kind::Integrator { .. }))
-            .count();
+        let integrators =
+            self.netlist.blocks.iter().filter(|b| matches!(b.kind, Kind::Integrator(_))).count();
         let subtitle = format!(
             "{count} block{}, {integrators} integrator{}",
             plural(count),
@@ -170,7 +166,7 @@ impl Sheet<'_> {
     fn ports(&self) -> Group {
         let mut group = Group::new();
         for (block, ports) in self.graph.ports.iter().enumerate() {
-            let names = symbol::input_names(&self.netlist.blocks[block].kind);
+            let roles = self.netlist.blocks[block].kind.facts().inputs.roles;
             let mut numbered = 0;
             for (index, port) in ports.iter().enumerate() {
                 let (x, y) = self.port_place(block, index);
@@ -200,7 +196,7 @@ impl Sheet<'_> {
                     Role::Side(name) => Some(name),
                     Role::Input => {
                         numbered += 1;
-                        names.get(numbered - 1).copied()
+                        roles.get(numbered - 1).map(|role| role.1)
                     }
                 };
                 if let Some(name) = name {

@@ -5,10 +5,9 @@
 //! All numbers are in problem units; parameters are already put in.
 
 mod integration;
-mod kind;
 
+pub use crate::block::kind::{Kind, Wave};
 pub use integration::{Integration, Method, OverloadPolicy};
-pub use kind::{Kind, Level, Wave};
 
 /// Index of a net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -41,6 +40,15 @@ pub struct Span {
     pub start: u32,
     /// One past the last byte.
     pub end: u32,
+}
+
+/// A level that is fixed in the patch or follows a net.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Level {
+    /// A number.
+    Fixed(f64),
+    /// The present value of a net.
+    Net(NetId),
 }
 
 /// One weighted input: `coefficient · net`.

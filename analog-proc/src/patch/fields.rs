@@ -8,7 +8,9 @@ use super::faults::suggestion;
 use super::number::wrong_type;
 use super::resolve::Resolver;
 use super::value::{Data, Entry};
+use crate::block::kind::linkage;
 use crate::net::Span;
+use interface::control::ChannelKind;
 
 mod lists;
 mod nets;
@@ -45,7 +47,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         Some(entry.value.span)
     }
 
-    fn required(&mut self, key: &'static str, example: &str) -> Option<&'r Entry> {
+    pub(crate) fn required(&mut self, key: &'static str, example: &str) -> Option<&'r Entry> {
         let entry = self.entry(key);
         if entry.is_none() {
             self.missing(key, example);
@@ -114,6 +116,32 @@ impl<'r, 'a> Fields<'r, 'a> {
         }
     }
 
+    /// A time that problem time resolves.
+    pub(crate) fn duration(&mut self, key: &'static str) -> Option<f64> {
+        let value = self.positive(key, None)?;
+        if value >= 1e-9 {
+            return Some(value);
+        }
+        self.out_of_range(key, value, "a nanosecond or more");
+        None
+    }
+
+    /// Whether a pair of limits is the right way round; told if not.
+    pub(crate) fn ordered(&mut self, key: &'static str, low: f64, high: f64) -> bool {
+        if low < high {
+            return true;
+        }
+        self.fault_at(key, |src, at| PatchFault::InvertedLimits {
+            src,
+            at,
+            field: key.to_owned(),
+            low,
+            high,
+            help: format!("write the lower one first: {key} = [{high}, {low}]"),
+        });
+        false
+    }
+
     /// A number in a range.
     pub(crate) fn ranged(
         &mut self,
@@ -176,14 +204,14 @@ impl<'r, 'a> Fields<'r, 'a> {
     pub(crate) fn channel(
         &mut self,
         key: &'static str,
-        what: &'static str,
-        count: u32,
+        kind: ChannelKind,
         needed: usize,
     ) -> Option<u32> {
+        let (what, count) = linkage(kind);
         let entry = self.required(key, "0")?;
         let first = self.resolver.number(self.scope, key, &entry.value)?;
         let last_used = first + needed.max(1) as f64 - 1.0;
-        if first >= 0.0 && first.fract() == 0.0 && last_used < f64::from(count) {
+        if first >= 0.0 && first.fract() == 0.0 && last_used < count as f64 {
             return Some(first as u32);
         }
         let number = if first >= 0.0 && first.fract() == 0.0 { last_used } else { first };
@@ -192,7 +220,7 @@ impl<'r, 'a> Fields<'r, 'a> {
             at,
             what,
             number,
-            last: count - 1,
+            last: count as u32 - 1,
             help: format!("the linkage numbers them 0 to {}", count - 1),
         });
         None

@@ -5,12 +5,10 @@
 //! without any becomes [`Ordered`].
 
 mod bundle;
-mod catalogue;
 mod coefficient;
 pub mod diagnostic;
 mod faults;
 mod fields;
-mod kinds;
 mod number;
 mod resolve;
 mod scope;
@@ -19,14 +17,12 @@ mod text;
 mod value;
 
 pub use bundle::{LONGEST_FILE, MOST_FILES, bundle_from_path};
-pub use catalogue::{
-    ADC_CHANNELS, CONTROL_LINES, DAC_CHANNELS, DCU_CHANNELS, INTERRUPT_LINES, SENSE_LINES,
-};
 pub use diagnostic::PatchFault;
 pub use faults::{FaultRecord, MOST_FAULTS, PatchFaults, Sources};
 pub use scope::{DEEPEST, MOST_BLOCKS};
 
 pub(crate) use faults::{Faults, suggestion};
+pub(crate) use fields::Fields;
 pub(crate) use resolve::Draft;
 
 use crate::check;

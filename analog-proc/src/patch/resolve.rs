@@ -6,16 +6,15 @@
 
 mod inputs;
 
-use super::catalogue;
 use super::diagnostic::PatchFault;
 use super::faults::{Faults, suggestion};
 use super::fields::Fields;
-use super::kinds;
 use super::number;
 use super::scope::{self, Instances, Stub};
 use super::settings;
 use super::text::{BlockText, PatchText};
 use super::value::{Data, Entry, Value};
+use crate::block::kind::{self, Constant, Storage};
 use crate::net::{Block, BlockId, Expected, Input, Integration, Kind, Net, NetId, Netlist, Span};
 use inputs::inputs_of;
 use std::collections::HashMap;
@@ -116,10 +115,11 @@ impl<'a> Resolver<'a> {
             let (text, name) = resolver.stub(index);
             let driver = BlockId(u32::try_from(index).unwrap_or(u32::MAX));
             resolver.first_net.push(NetId(u32::try_from(resolver.nets.len()).unwrap_or(u32::MAX)));
-            if text.kind.as_ref().is_some_and(|(k, _)| k == "resolver") {
-                resolver.add_net(format!("{name}.x"), driver);
-                resolver.add_net(format!("{name}.y"), driver);
-            } else {
+            let ends = outputs(text);
+            for end in ends {
+                resolver.add_net(format!("{name}.{end}"), driver);
+            }
+            if ends.is_empty() {
                 resolver.add_net(name, driver);
             }
         }
@@ -190,9 +190,10 @@ impl<'a> Resolver<'a> {
         let (mut kind, mut inputs, mut max, mut note) = (None, Vec::new(), None, None);
         if let Some((word, word_span)) = &text.kind {
             let mut fields = Fields::new(self, scope, &name, text.span, &text.fields);
-            match catalogue::arity(word) {
+            match kind::named(word) {
                 None => {
-                    let help = suggestion(word, "kinds", catalogue::names());
+                    let help =
+                        suggestion(word, "kinds", kind::KINDS.iter().map(|(facts, _)| facts.name));
                     fields.resolver.faults.push(*word_span, |src, at| PatchFault::UnknownKind {
                         src,
                         at,
@@ -200,27 +201,23 @@ impl<'a> Resolver<'a> {
                         help,
                     });
                 }
-                Some(arity) => {
-                    inputs = inputs_of(&mut fields, arity, word);
+                Some((facts, read)) => {
+                    inputs = inputs_of(&mut fields, facts.inputs, word);
                     max = fields.positive_or_none("max");
                     note = fields.text("note");
-                    kind = kinds::build(word, &mut fields);
+                    kind = read(&mut fields);
                     fields.finish(&format!("{} `{name}`", article(word)));
                 }
             }
         }
         let is_broken = kind.is_none() || self.faults.count() > before;
         let first = self.first_net[index];
-        let is_resolver = text.kind.as_ref().is_some_and(|(k, _)| k == "resolver");
-        let mut outputs = vec![first];
-        if is_resolver {
-            outputs.push(NetId(first.0 + 1));
-        }
+        let outputs = (0..outputs(text).len().max(1)).map(|i| NetId(first.0 + i as u32)).collect();
         Made {
             block: Block {
                 name,
                 span: text.span,
-                kind: kind.unwrap_or(Kind::Constant { value: 0.0 }),
+                kind: kind.unwrap_or(Kind::Constant(Constant { value: 0.0 })),
                 inputs,
                 outputs,
                 max,
@@ -273,8 +270,8 @@ impl<'a> Resolver<'a> {
             return;
         }
         let (text, _) = self.stub(driver);
-        let has = text.kind.as_ref().is_none_or(|(kind, _)| {
-            matches!(kind.as_str(), "integrator" | "lag" | "rate-limiter" | "backlash")
+        let has = text.kind.as_ref().is_none_or(|(word, _)| {
+            kind::named(word).is_some_and(|(facts, _)| facts.storage == Storage::State)
         });
         if !has {
             self.faults.push(at, |src, at| PatchFault::NoDerivative {
@@ -285,6 +282,12 @@ impl<'a> Resolver<'a> {
             });
         }
     }
+}
+
+/// Ends of the names of a block's nets, where it drives several.
+fn outputs(text: &BlockText) -> &'static [&'static str] {
+    let kind = text.kind.as_ref().and_then(|(word, _)| kind::named(word));
+    kind.map_or(&[], |(facts, _)| facts.outputs)
 }
 
 fn article(kind: &str) -> String {

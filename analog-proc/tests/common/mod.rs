@@ -2,7 +2,8 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "each user takes what it needs")]
 
-use analog_proc::net::{Integration, Kind, Level, Method, NetId};
+use analog_proc::block::kind::{Integrator, Interrupt, Switch};
+use analog_proc::net::{Integration, Kind, Method, NetId};
 use analog_proc::order::Ordered;
 use analog_proc::patch::compile;
 use analog_proc::simulation::Simulation;
@@ -28,7 +29,7 @@ pub struct Patch {
 }
 
 pub fn integrator(ic: f64) -> Kind {
-    Kind::Integrator { ic, limits: None, operate: None, reset: None, reset_to: None }
+    Kind::Integrator(Integrator { ic, limits: None, operate: None, reset: None, reset_to: None })
 }
 
 impl Patch {
@@ -61,81 +62,25 @@ impl Patch {
         &self.blocks[net.index()].0
     }
 
-    /// The line of a block in the patch language. Numbers that the language refuses are
-    /// stood in for; [`Patch::ordered`] then puts the true ones in their place.
+    /// A line of the patch language for a block, with stand-ins for what does not change the
+    /// wiring; [`Patch::ordered`] then puts the true kind in its place.
     fn line(&self, name: &str, kind: &Kind, inputs: &[String]) -> String {
-        let number = |x: f64| format!("{:?}", if x.is_finite() { x } else { 1.0 });
-        let pair = |p: [f64; 2]| format!("[{}, {}]", number(p[0]), number(p[1]));
-        let level = |l: &Level| match l {
-            Level::Fixed(x) => number(*x),
-            Level::Net(net) => format!("\"{}\"", self.name(*net)),
-        };
         let fields = match kind {
-            Kind::Integrator { ic, limits, operate, reset, reset_to } => {
-                let mut text = format!("kind = \"integrator\", ic = {}", number(*ic));
-                if let Some(limits) = limits {
-                    text += &format!(", limits = {}", pair(*limits));
-                }
-                if let Some(net) = operate {
-                    text += &format!(", operate = \"{}\"", self.name(*net));
-                }
-                if let Some(net) = reset {
-                    text += &format!(", reset = \"{}\"", self.name(*net));
-                }
-                if let Some(to) = reset_to {
-                    text += &format!(", reset-to = \"{} * {}\"", to.coefficient, self.name(to.net));
-                }
-                text
-            }
-            Kind::Summer => "kind = \"summer\"".into(),
-            Kind::Multiplier => "kind = \"multiplier\"".into(),
-            Kind::Square => "kind = \"square\"".into(),
-            Kind::SquareRoot => "kind = \"square-root\"".into(),
-            Kind::Max => "kind = \"max\"".into(),
-            Kind::Divider => "kind = \"divider\"".into(),
-            Kind::Not => "kind = \"not\"".into(),
-            Kind::Time => "kind = \"time\"".into(),
-            Kind::Constant { value } => format!("kind = \"constant\", value = {}", number(*value)),
-            Kind::Dac { channel, .. } => format!("kind = \"dac\", channel = {channel}"),
-            Kind::Control { line, .. } => format!("kind = \"control\", line = {line}"),
-            Kind::Interrupt { line } => format!("kind = \"interrupt\", line = {line}"),
-            Kind::Sense { line } => format!("kind = \"sense\", line = {line}"),
-            Kind::Comparator { .. } => "kind = \"comparator\"".into(),
-            Kind::FlipFlop { .. } => "kind = \"flip-flop\"".into(),
-            Kind::Counter { modulo } => format!("kind = \"counter\", modulo = {modulo}"),
-            Kind::OneShot { width_s } => {
-                format!("kind = \"one-shot\", width = {}", number(*width_s))
-            }
-            Kind::Relay { points, outputs, .. } => {
-                format!(
-                    "kind = \"relay\", points = {}, outputs = {}",
-                    pair(*points),
-                    pair(*outputs)
-                )
-            }
-            Kind::DeadZone { width } => format!("kind = \"dead-zone\", width = {}", level(width)),
-            Kind::Limiter { low, high } => {
-                format!("kind = \"limiter\", limits = [{}, {}]", level(low), level(high))
-            }
-            Kind::DryFriction { level, .. } => {
-                format!("kind = \"dry-friction\", level = {}", number(*level))
-            }
-            Kind::TransportDelay { delay, .. } => {
-                format!("kind = \"transport-delay\", delay = {}", number(*delay))
-            }
-            Kind::Generator { .. } => "kind = \"signal-generator\", wave = \"sine\"".into(),
-            Kind::Switch { control } => {
-                format!("kind = \"switch\", control = \"{}\"", self.name(*control))
-            }
-            other => panic!("no text for {other:?}"),
+            Kind::Switch(Switch { control }) => format!("control = \"{}\"", self.name(*control)),
+            Kind::DeadZone(_) => "width = 1".into(),
+            Kind::Limiter(_) => "limit = 1".into(),
+            Kind::Constant(_) => "value = 1".into(),
+            Kind::Dac(_) => "channel = 0".into(),
+            Kind::Control(_) | Kind::Sense(_) => "line = 0".into(),
+            Kind::Interrupt(Interrupt { line }) => format!("line = {line}"),
+            Kind::DryFriction(_) => "level = 1".into(),
+            Kind::Relay(_) => "points = [0, 1], outputs = [0, 1]".into(),
+            Kind::OneShot(_) => "width = 1".into(),
+            Kind::TransportDelay(_) => "delay = 1".into(),
+            Kind::Generator(_) => "wave = \"sine\"".into(),
+            _ => "note = \"\"".into(),
         };
-        let inputs: Vec<String> = inputs.iter().map(|i| format!("\"{i}\"")).collect();
-        let wired = if inputs.is_empty() {
-            String::new()
-        } else {
-            format!(", in = [{}]", inputs.join(", "))
-        };
-        format!("{name} = {{ {fields}{wired} }}\n")
+        format!("{name} = {{ kind = \"{}\", {fields}, in = {inputs:?} }}\n", kind.name())
     }
 
     /// Compiles the patch.

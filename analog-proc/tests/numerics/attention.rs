@@ -2,6 +2,7 @@
 
 use crate::common::{Patch, integrator, tick};
 use crate::oscillator;
+use analog_proc::block::kind::Constant;
 use analog_proc::fault::RunFault;
 use analog_proc::net::{Kind, Method, NetId};
 use analog_proc::simulation::{Pulse, Simulation};
@@ -62,7 +63,7 @@ fn an_attendant_ends_a_run_and_the_fault_stands() {
 fn a_sink_that_has_had_enough_ends_a_run_within_its_step() {
     // Without anything to integrate a step is as long as the whole run.
     let mut patch = Patch::new();
-    patch.add("c", Kind::Constant { value: 1.0 }, &[]);
+    patch.add("c", Kind::Constant(Constant { value: 1.0 }), &[]);
     let mut rows = 0;
     let end = patch.simulation().advance_recording_attended(
         tick(1e6),
@@ -92,7 +93,7 @@ fn the_step_rate_tells_stability_from_accuracy() {
     let mut stiff = Patch::new();
     stiff.add("x", integrator(1.0), &["-1e5 * x", "1e5 * y"]);
     stiff.add("y", integrator(0.0), &["-1 * y", "one"]);
-    stiff.add("one", Kind::Constant { value: 1.0 }, &[]);
+    stiff.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
     let rate = step_rate(&stiff, 1.0);
     assert!((2.8..3.5).contains(&rate), "{rate}");
     // Accuracy: rtol 1e-10 of an oscillation asks for ωh well below one.
@@ -107,7 +108,7 @@ fn a_value_that_overflows_between_two_steps_is_a_fault() {
     // Both ends of the step are finite; their difference is not.
     let mut patch = Patch::new();
     let x = patch.add("x", integrator(1.7e308), &["slope"]);
-    patch.add("slope", Kind::Constant { value: -3.4e307 }, &[]);
+    patch.add("slope", Kind::Constant(Constant { value: -3.4e307 }), &[]);
     let mut rows = 0;
     let end = patch.simulation().advance_recording(tick(10.0), tick(1.0), &[x], |_, v| {
         assert!(v[0].is_finite());

@@ -3,33 +3,36 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::edges;
 use analog_proc::block::dac::DacPiece;
-use analog_proc::net::{Kind, Level, NetId, Wave};
+use analog_proc::block::kind::*;
+use analog_proc::net::{Level, NetId};
 
 #[test]
 fn dead_zone_is_odd_and_limiter_corners_are_exact() {
     let mut patch = Patch::new();
-    patch.add("t", Kind::Time, &[]);
-    let sine = |phase_rad: f64| Kind::Generator {
-        wave: Wave::Sine,
-        amplitude: 2.0,
-        offset: 0.0,
-        frequency_hz: 1.0,
-        phase_rad,
-        start_s: 0.0,
+    patch.add("t", Kind::Time(Time), &[]);
+    let sine = |phase_rad: f64| {
+        Kind::Generator(Generator {
+            wave: Wave::Sine,
+            amplitude: 2.0,
+            offset: 0.0,
+            frequency_hz: 1.0,
+            phase_rad,
+            start_s: 0.0,
+        })
     };
     patch.add("s", sine(0.0), &[]);
-    let zone = Kind::DeadZone { width: Level::Fixed(0.5) };
+    let zone = Kind::DeadZone(DeadZone { width: Level::Fixed(0.5) });
     let up = patch.add("up", zone.clone(), &["s"]);
     let down = patch.add("down", zone, &["-1 * s"]);
-    let limiter = Kind::Limiter { low: Level::Fixed(-1.0), high: Level::Fixed(1.0) };
+    let limiter = Kind::Limiter(Limiter { low: Level::Fixed(-1.0), high: Level::Fixed(1.0) });
     let limited = patch.add("limited", limiter, &["s"]);
     patch.add("area", integrator(0.0), &["limited"]);
     patch.add(
         "full",
-        Kind::Comparator { threshold: 0.999_999_999_999, hysteresis: 0.0 },
+        Kind::Comparator(Comparator { threshold: 0.999_999_999_999, hysteresis: 0.0 }),
         &["limited"],
     );
-    patch.add("line", Kind::Interrupt { line: 0 }, &["full"]);
+    patch.add("line", Kind::Interrupt(Interrupt { line: 0 }), &["full"]);
     let mut simulation = patch.simulation();
     let mut worst: f64 = 0.0;
     let mut seen = 0;
@@ -60,7 +63,11 @@ fn transport_delay_shifts_a_sine() {
     patch.integration.rtol = 1e-9;
     patch.add("x", integrator(0.0), &["v"]);
     patch.add("v", integrator(2.0), &["-4 * x"]);
-    let delayed = patch.add("delayed", Kind::TransportDelay { delay: 0.3, initial: -5.0 }, &["x"]);
+    let delayed = patch.add(
+        "delayed",
+        Kind::TransportDelay(TransportDelay { delay: 0.3, initial: -5.0 }),
+        &["x"],
+    );
     let mut simulation = patch.simulation();
     let mut worst: f64 = 0.0;
     simulation
@@ -81,7 +88,7 @@ fn delayed_feedback_follows_the_method_of_steps() {
     // dy/dt = −y(t − 1), y = 1 before: y(1) = 0, y(2) = −1/2, y(3) = −1/6.
     let mut patch = Patch::new();
     patch.add("y", integrator(1.0), &["-1 * d"]);
-    patch.add("d", Kind::TransportDelay { delay: 1.0, initial: 1.0 }, &["y"]);
+    patch.add("d", Kind::TransportDelay(TransportDelay { delay: 1.0, initial: 1.0 }), &["y"]);
     let mut simulation = patch.simulation();
     for (t_s, y) in [(1.0, 0.0), (2.0, -0.5), (3.0, -1.0 / 6.0)] {
         simulation.advance_to(tick(t_s)).unwrap();
@@ -93,7 +100,7 @@ fn delayed_feedback_follows_the_method_of_steps() {
 #[test]
 fn dac_slopes_and_settling_are_integrated_exactly() {
     let mut patch = Patch::new();
-    patch.add("in", Kind::Dac { channel: 0, initial: 0.0 }, &[]);
+    patch.add("in", Kind::Dac(Dac { channel: 0, initial: 0.0 }), &[]);
     patch.add("y", integrator(0.0), &["in"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(1.0)).unwrap();
@@ -114,7 +121,13 @@ fn limited_integrator_rests_on_its_limit() {
     patch.add("c", integrator(1.0), &["-1 * s"]);
     patch.add("s", integrator(0.0), &["c"]);
     let limits = Some([-0.5, 0.5]);
-    let limited = Kind::Integrator { ic: 0.0, limits, operate: None, reset: None, reset_to: None };
+    let limited = Kind::Integrator(Integrator {
+        ic: 0.0,
+        limits,
+        operate: None,
+        reset: None,
+        reset_to: None,
+    });
     let y = patch.add("y", limited, &["c"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(1.0)).unwrap();
@@ -126,23 +139,23 @@ fn limited_integrator_rests_on_its_limit() {
 #[test]
 fn logic_counts_and_pulses() {
     let mut patch = Patch::new();
-    let square = Kind::Generator {
+    let square = Kind::Generator(Generator {
         wave: Wave::Square,
         amplitude: 1.0,
         offset: 0.0,
         frequency_hz: 1.0,
         phase_rad: 0.0,
         start_s: 0.25,
-    };
+    });
     patch.add("w", square, &[]);
-    patch.add("clock", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["w"]);
-    let count = patch.add("count", Kind::Counter { modulo: 3 }, &["clock"]);
-    patch.add("pulse", Kind::OneShot { width_s: 0.125 }, &["clock"]);
-    patch.add("one", Kind::Constant { value: 1.0 }, &[]);
-    patch.add("zero", Kind::Constant { value: 0.0 }, &[]);
-    patch.add("gate", Kind::Switch { control: NetId(3) }, &["one", "zero"]);
+    patch.add("clock", Kind::Comparator(Comparator { threshold: 0.0, hysteresis: 0.0 }), &["w"]);
+    let count = patch.add("count", Kind::Counter(Counter { modulo: 3 }), &["clock"]);
+    patch.add("pulse", Kind::OneShot(OneShot { width_s: 0.125 }), &["clock"]);
+    patch.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
+    patch.add("zero", Kind::Constant(Constant { value: 0.0 }), &[]);
+    patch.add("gate", Kind::Switch(Switch { control: NetId(3) }), &["one", "zero"]);
     let on = patch.add("on", integrator(0.0), &["gate"]);
-    patch.add("sense", Kind::Sense { line: 5 }, &["pulse"]);
+    patch.add("sense", Kind::Sense(Sense { line: 5 }), &["pulse"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(2.3)).unwrap();
     assert!(simulation.sense(5));

@@ -2,29 +2,34 @@
 
 use crate::common::{Patch, close, integrator, tick};
 use crate::edges;
+use analog_proc::block::kind::*;
 use analog_proc::fault::RunFault;
-use analog_proc::net::{Input, Kind, NetId, Span};
+use analog_proc::net::{Input, NetId, Span};
 
 /// Ball of height h and speed v that keeps `e` of its speed.
 fn ball(e: f64) -> Patch {
     let mut patch = Patch::new();
-    patch.add("g", Kind::Constant { value: -9.81 }, &[]);
+    patch.add("g", Kind::Constant(Constant { value: -9.81 }), &[]);
     patch.add("h", integrator(1.0), &["v"]);
     let v = NetId(2);
     let contact = NetId(3);
     patch.add(
         "v",
-        Kind::Integrator {
+        Kind::Integrator(Integrator {
             ic: 0.0,
             limits: None,
             operate: None,
             reset: Some(contact),
             reset_to: Some(Input { net: v, coefficient: -e, span: Span::default() }),
-        },
+        }),
         &["g"],
     );
-    patch.add("contact", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["-1 * h"]);
-    patch.add("floor", Kind::Interrupt { line: 7 }, &["contact"]);
+    patch.add(
+        "contact",
+        Kind::Comparator(Comparator { threshold: 0.0, hysteresis: 0.0 }),
+        &["-1 * h"],
+    );
+    patch.add("floor", Kind::Interrupt(Interrupt { line: 7 }), &["contact"]);
     patch
 }
 
@@ -67,17 +72,19 @@ fn accumulating_bounces_end_in_a_fault_that_names_the_contact() {
 fn relay_switches_at_the_analytic_times() {
     // Triangle between the points −1 and 1 with slopes ∓2: every 1 s.
     let mut patch = Patch::new();
-    let relay = Kind::Relay { points: [-1.0, 1.0], outputs: [2.0, -2.0], initially_on: false };
+    let relay =
+        Kind::Relay(Relay { points: [-1.0, 1.0], outputs: [2.0, -2.0], initially_on: false });
     patch.add("x", integrator(0.0), &["r"]);
     patch.add("r", relay, &["x"]);
-    patch.add("on", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["-1 * r"]);
-    patch.add("line", Kind::Interrupt { line: 1 }, &["on"]);
+    patch.add("on", Kind::Comparator(Comparator { threshold: 0.0, hysteresis: 0.0 }), &["-1 * r"]);
+    patch.add("line", Kind::Interrupt(Interrupt { line: 1 }), &["on"]);
     // An exponential one beside it: dy/dt = s − y, s = ±2 between ∓1: period 2·ln 3.
-    let relay = Kind::Relay { points: [-1.0, 1.0], outputs: [2.0, -2.0], initially_on: false };
+    let relay =
+        Kind::Relay(Relay { points: [-1.0, 1.0], outputs: [2.0, -2.0], initially_on: false });
     patch.add("y", integrator(0.0), &["s", "-1 * y"]);
     patch.add("s", relay, &["y"]);
-    patch.add("up", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["s"]);
-    patch.add("other", Kind::Interrupt { line: 2 }, &["up"]);
+    patch.add("up", Kind::Comparator(Comparator { threshold: 0.0, hysteresis: 0.0 }), &["s"]);
+    patch.add("other", Kind::Interrupt(Interrupt { line: 2 }), &["up"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(20.2)).unwrap();
     let all = edges(&mut simulation);
@@ -98,15 +105,15 @@ fn relay_switches_at_the_analytic_times() {
 fn mass_on_a_belt_sticks_and_slips() {
     // Spring pulled at speed 1: sticks until k·t = breakaway, then slips.
     let mut patch = Patch::new();
-    patch.add("t", Kind::Time, &[]);
+    patch.add("t", Kind::Time(Time), &[]);
     patch.add("x", integrator(0.0), &["v"]);
     patch.add("v", integrator(0.0), &["spring", "friction"]);
-    patch.add("spring", Kind::Summer, &["4 * t", "-4 * x"]);
-    let friction = Kind::DryFriction { level: 1.0, breakaway: 2.0 };
+    patch.add("spring", Kind::Summer(Summer), &["4 * t", "-4 * x"]);
+    let friction = Kind::DryFriction(DryFriction { level: 1.0, breakaway: 2.0 });
     patch.add("friction", friction, &["v", "spring"]);
-    let moving = Kind::Comparator { threshold: 1e-12, hysteresis: 0.0 };
+    let moving = Kind::Comparator(Comparator { threshold: 1e-12, hysteresis: 0.0 });
     patch.add("moving", moving, &["v"]);
-    patch.add("line", Kind::Interrupt { line: 0 }, &["moving"]);
+    patch.add("line", Kind::Interrupt(Interrupt { line: 0 }), &["moving"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(0.499)).unwrap();
     assert_eq!(simulation.net(NetId(1)), 0.0);

@@ -2,8 +2,9 @@
 
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
+use analog_proc::block::kind::*;
 use analog_proc::fault::RunFault;
-use analog_proc::net::{BlockId, Expected, Kind, Level, Method, NetId, OverloadPolicy};
+use analog_proc::net::{BlockId, Expected, Level, Method, NetId, OverloadPolicy};
 use analog_proc::simulation::Simulation;
 
 #[test]
@@ -13,7 +14,7 @@ fn undefined_numbers_are_faults() {
         patch.add("y", integrator(bad), &["-1 * y"]);
         assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::NonFinite { .. })));
         let mut patch = Patch::new();
-        patch.add("c", Kind::Constant { value: bad }, &[]);
+        patch.add("c", Kind::Constant(Constant { value: bad }), &[]);
         patch.add("y", integrator(0.0), &["c"]);
         assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::NonFinite { .. })));
         let mut patch = oscillator(Method::DormandPrince);
@@ -23,7 +24,7 @@ fn undefined_numbers_are_faults() {
     // dy/dt = y² from 1 is infinite at t = 1.
     let mut patch = Patch::new();
     patch.add("y", integrator(1.0), &["q"]);
-    patch.add("q", Kind::Square, &["y"]);
+    patch.add("q", Kind::Square(Square), &["y"]);
     let fault = patch.simulation().advance_to(tick(2.0)).unwrap_err();
     assert!(
         matches!(fault, RunFault::StepUnderflow { .. } | RunFault::NonFinite { .. }),
@@ -34,10 +35,10 @@ fn undefined_numbers_are_faults() {
 #[test]
 fn zero_divisors_and_negative_roots_are_located() {
     let mut patch = Patch::new();
-    patch.add("t", Kind::Time, &[]);
-    patch.add("one", Kind::Constant { value: 1.0 }, &[]);
-    patch.add("down", Kind::Summer, &["one", "-4 * t"]);
-    patch.add("ratio", Kind::Divider, &["one", "down"]);
+    patch.add("t", Kind::Time(Time), &[]);
+    patch.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
+    patch.add("down", Kind::Summer(Summer), &["one", "-4 * t"]);
+    patch.add("ratio", Kind::Divider(Divider), &["one", "down"]);
     match patch.simulation().advance_to(tick(1.0)).unwrap_err() {
         RunFault::DividedByZero { block, t_s } => {
             assert_eq!(block, "ratio");
@@ -46,9 +47,9 @@ fn zero_divisors_and_negative_roots_are_located() {
         other => panic!("{other}"),
     }
     let mut patch = Patch::new();
-    patch.add("t", Kind::Time, &[]);
-    patch.add("one", Kind::Constant { value: 1.0 }, &[]);
-    patch.add("root", Kind::SquareRoot, &["one", "-4 * t"]);
+    patch.add("t", Kind::Time(Time), &[]);
+    patch.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
+    patch.add("root", Kind::SquareRoot(SquareRoot), &["one", "-4 * t"]);
     match patch.simulation().advance_to(tick(1.0)).unwrap_err() {
         RunFault::NegativeRoot { block, t_s } => {
             assert_eq!(block, "root");
@@ -62,25 +63,28 @@ fn zero_divisors_and_negative_roots_are_located() {
 #[test]
 fn a_guarded_root_goes_on_at_zero() {
     let limits = [0.0, 10.0];
-    let limiter = Kind::Limiter { low: Level::Fixed(limits[0]), high: Level::Fixed(limits[1]) };
-    let stopped = Kind::Integrator {
+    let limiter =
+        Kind::Limiter(Limiter { low: Level::Fixed(limits[0]), high: Level::Fixed(limits[1]) });
+    let stopped = Kind::Integrator(Integrator {
         ic: 1.0,
         limits: Some(limits),
         operate: None,
         reset: None,
         reset_to: None,
-    };
-    for (ramp, guard) in
-        [(integrator(1.0), limiter), (integrator(1.0), Kind::Max), (stopped, Kind::Summer)]
-    {
+    });
+    for (ramp, guard) in [
+        (integrator(1.0), limiter),
+        (integrator(1.0), Kind::Max(Max)),
+        (stopped, Kind::Summer(Summer)),
+    ] {
         let mut patch = Patch::new();
-        patch.add("one", Kind::Constant { value: 1.0 }, &[]);
-        patch.add("zero", Kind::Constant { value: 0.0 }, &[]);
+        patch.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
+        patch.add("zero", Kind::Constant(Constant { value: 0.0 }), &[]);
         patch.add("a", ramp, &["-1 * one"]);
-        let cut = matches!(guard, Kind::Max);
+        let cut = matches!(guard, Kind::Max(Max));
         let inputs: &[&str] = if cut { &["a", "zero"] } else { &["a"] };
         patch.add("p", guard, inputs);
-        let d = patch.add("d", Kind::SquareRoot, &["p"]);
+        let d = patch.add("d", Kind::SquareRoot(SquareRoot), &["p"]);
         let area = patch.add("I", integrator(0.0), &["d"]);
         let mut simulation = patch.simulation();
         for t_s in [0.5, 1.0, 1.5, 4.0] {
@@ -97,8 +101,8 @@ fn a_guarded_root_goes_on_at_zero() {
 fn races_and_chatter_are_faults_not_hangs() {
     // A flip-flop that sets itself when clear and clears itself when set.
     let mut patch = Patch::new();
-    patch.add("q", Kind::FlipFlop { initial: false }, &["nq", "q"]);
-    patch.add("nq", Kind::Not, &["q"]);
+    patch.add("q", Kind::FlipFlop(FlipFlop { initial: false }), &["nq", "q"]);
+    patch.add("nq", Kind::Not(Not), &["q"]);
     match Simulation::new(&patch.ordered()) {
         Err(RunFault::LogicRace { nets, .. }) => assert!(nets.contains(&"q".to_string())),
         other => panic!("{:?}", other.map(|_| ())),
@@ -106,7 +110,7 @@ fn races_and_chatter_are_faults_not_hangs() {
     // Sliding on a relay without hysteresis.
     let mut patch = Patch::new();
     patch.add("x", integrator(1.0), &["r"]);
-    let relay = Kind::Relay { points: [0.0, 0.0], outputs: [1.0, -1.0], initially_on: true };
+    let relay = Kind::Relay(Relay { points: [0.0, 0.0], outputs: [1.0, -1.0], initially_on: true });
     patch.add("r", relay, &["x"]);
     match patch.simulation().advance_to(tick(2.0)) {
         Err(RunFault::Chatter { block, t_s, .. }) => {

@@ -3,16 +3,17 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
 use analog_proc::block::dac::DacPiece;
-use analog_proc::net::{Kind, Method, NetId};
+use analog_proc::block::kind::*;
+use analog_proc::net::{Method, NetId};
 
 fn lorenz() -> Patch {
     let mut patch = Patch::new();
     patch.add("x", integrator(1.0), &["10 * y", "-10 * x"]);
     patch.add("y", integrator(1.0), &["28 * x", "-1 * y", "-1 * xz"]);
     patch.add("z", integrator(1.0), &["xy", "-2.6666666666666665 * z"]);
-    patch.add("xz", Kind::Multiplier, &["x", "z"]);
-    patch.add("xy", Kind::Multiplier, &["x", "y"]);
-    patch.add("sign", Kind::Comparator { threshold: 0.0, hysteresis: 0.0 }, &["x"]);
+    patch.add("xz", Kind::Multiplier(Multiplier), &["x", "z"]);
+    patch.add("xy", Kind::Multiplier(Multiplier), &["x", "y"]);
+    patch.add("sign", Kind::Comparator(Comparator { threshold: 0.0, hysteresis: 0.0 }), &["x"]);
     patch
 }
 
@@ -51,10 +52,16 @@ fn frames_do_not_change_the_answer() {
 #[test]
 fn hold_feeds_nothing_through() {
     let mut patch = Patch::new();
-    patch.add("in", Kind::Dac { channel: 3, initial: 1.0 }, &[]);
-    patch.add("run", Kind::Control { line: 0, initial: true }, &[]);
+    patch.add("in", Kind::Dac(Dac { channel: 3, initial: 1.0 }), &[]);
+    patch.add("run", Kind::Control(Control { line: 0, initial: true }), &[]);
     let operate = Some(NetId(1));
-    let held = Kind::Integrator { ic: 0.0, limits: None, operate, reset: None, reset_to: None };
+    let held = Kind::Integrator(Integrator {
+        ic: 0.0,
+        limits: None,
+        operate,
+        reset: None,
+        reset_to: None,
+    });
     patch.add("y", held, &["in"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(1.0)).unwrap();

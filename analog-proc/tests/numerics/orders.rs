@@ -2,6 +2,7 @@
 
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
+use analog_proc::block::kind::Multiplier;
 use analog_proc::net::{Kind, Method, NetId};
 
 #[test]
@@ -34,7 +35,7 @@ fn measured_order(method: Method, steps: [u32; 2]) -> f64 {
         let linear = method == Method::Sdirk4;
         if !linear {
             patch.add("y", integrator(1.0), &["cy"]);
-            patch.add("cy", Kind::Multiplier, &["c", "y"]);
+            patch.add("cy", Kind::Multiplier(Multiplier), &["c", "y"]);
         }
         let h_s = 3.0 / f64::from(n);
         patch.integration.step_s = h_s;
@@ -145,7 +146,7 @@ fn stiff_oscillator_needs_few_steps() {
     patch.integration.atol = 1e-8;
     patch.add("x", integrator(2.0), &["v"]);
     patch.add("v", integrator(0.0), &["1000 * v", "-1000 * x2v", "-1 * x"]);
-    patch.add("x2v", Kind::Multiplier, &["x", "x", "v"]);
+    patch.add("x2v", Kind::Multiplier(Multiplier), &["x", "x", "v"]);
     let mut simulation = patch.simulation();
     simulation.advance_to(tick(2000.0)).unwrap();
     // One tolerance a step, all of one sign, over a thousand steps.

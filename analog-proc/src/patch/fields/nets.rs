@@ -1,9 +1,10 @@
 //! Fields that name nets: mode control, inputs of their own, levels that follow a net.
 
 use super::Fields;
+use crate::block::kind::{Inverter, Summer};
 use crate::net::{Input, Kind, Level, NetId, Span};
 use crate::patch::diagnostic::PatchFault;
-use crate::patch::number::not_finite;
+use crate::patch::number::{not_finite, wrong_type};
 use crate::patch::value::{Data, Value};
 
 impl Fields<'_, '_> {
@@ -63,19 +64,34 @@ impl Fields<'_, '_> {
         None
     }
 
+    /// A pair `[low, high]`, each a number or a net.
+    pub(crate) fn levels(&mut self, key: &'static str, value: &Value) -> Option<[Level; 2]> {
+        let Data::List(items) = &value.data else {
+            wrong_type(key, "a list [low, high]", value, self.resolver.faults);
+            return None;
+        };
+        let [low, high] = &items[..] else {
+            self.table_size(key, items.len(), "2 (low and high)".into());
+            return None;
+        };
+        let low = self.level(key, low, "low");
+        let high = self.level(key, high, "high");
+        Some([low?, high?])
+    }
+
     /// The net of an input with its coefficient applied.
     pub(crate) fn weighted(&mut self, input: Input, part: &str) -> NetId {
         if input.coefficient == 1.0 {
             return input.net;
         }
         let name = format!("{}.{part}", self.owner);
-        self.resolver.hide(name, self.at, Kind::Summer, input)
+        self.resolver.hide(name, self.at, Kind::Summer(Summer), input)
     }
 
     /// Makes a hidden inverter of a net.
     pub(crate) fn inverted(&mut self, net: NetId, part: &str, span: Span) -> NetId {
         let name = format!("{}.{part}", self.owner);
         let input = Input { net, coefficient: 1.0, span };
-        self.resolver.hide(name, self.at, Kind::Inverter, input)
+        self.resolver.hide(name, self.at, Kind::Inverter(Inverter), input)
     }
 }

@@ -5,8 +5,8 @@
 //! already. A parameter is no net, and a number alone is none either.
 
 use super::{Resolver, Weighted, article};
+use crate::block::kind::Inputs;
 use crate::net::{Input, Span};
-use crate::patch::catalogue::Arity;
 use crate::patch::coefficient::{FactorValue, parse};
 use crate::patch::diagnostic::PatchFault;
 use crate::patch::faults::suggestion;
@@ -116,7 +116,7 @@ impl Resolver<'_> {
 }
 
 /// The inputs of a block from its field `in`, as many as its kind takes.
-pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Arity, kind: &str) -> Vec<Input> {
+pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Inputs, kind: &str) -> Vec<Input> {
     let owner = format!("{} `{}`", article(kind), fields.owner);
     let at = fields.at;
     let Some(entry) = fields.entry("in") else {
@@ -163,7 +163,7 @@ pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Arity, kind: &str) -
     items.into_iter().filter_map(|item| fields.resolver.input(scope, "in", item)).collect()
 }
 
-fn unconnected(owner: String, at: Span, arity: Arity, fields: &mut Fields<'_, '_>) {
+fn unconnected(owner: String, at: Span, arity: Inputs, fields: &mut Fields<'_, '_>) {
     fields.resolver.faults.push(at, |src, at| PatchFault::UnconnectedInput {
         src,
         at,

@@ -3,21 +3,21 @@
 use svg::node::element::{Circle, Group, Path, Rectangle, Text};
 
 /// What draws a symbol: its group so far, its middle, and half of its size.
-pub(super) struct Pen {
-    pub(super) group: Group,
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) half_width: f64,
-    pub(super) half_height: f64,
+pub(crate) struct Pen {
+    pub(crate) group: Group,
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) half_width: f64,
+    pub(crate) half_height: f64,
 }
 
 impl Pen {
-    pub(super) fn add(&mut self, node: impl Into<Box<dyn svg::node::Node>>) {
+    pub(crate) fn add(&mut self, node: impl Into<Box<dyn svg::node::Node>>) {
         let group = std::mem::take(&mut self.group);
         self.group = group.add(node);
     }
 
-    pub(super) fn text(&mut self, dx: f64, dy: f64, class: &str, text: &str) {
+    pub(crate) fn text(&mut self, dx: f64, dy: f64, class: &str, text: &str) {
         let node = Text::new(text)
             .set("class", class)
             .set("x", round(self.x + dx))
@@ -26,7 +26,7 @@ impl Pen {
     }
 
     /// A path through points about the middle, in halves of the symbol's size.
-    pub(super) fn outline(&mut self, class: &str, points: &[(f64, f64)], is_closed: bool) {
+    pub(crate) fn outline(&mut self, class: &str, points: &[(f64, f64)], is_closed: bool) {
         let mut d = String::new();
         for (i, (px, py)) in points.iter().enumerate() {
             let command = if i == 0 { 'M' } else { 'L' };
@@ -41,7 +41,7 @@ impl Pen {
     }
 
     /// A small curve in a square of ±14 about the middle; y upwards.
-    pub(super) fn curve(&mut self, class: &str, points: &[(f64, f64)]) {
+    pub(crate) fn curve(&mut self, class: &str, points: &[(f64, f64)]) {
         let mut d = String::new();
         for (i, (px, py)) in points.iter().enumerate() {
             let command = if i == 0 { 'M' } else { 'L' };
@@ -51,7 +51,7 @@ impl Pen {
         self.add(Path::new().set("class", class).set("d", d));
     }
 
-    pub(super) fn frame(&mut self) {
+    pub(crate) fn frame(&mut self) {
         let node = Rectangle::new()
             .set("class", "body")
             .set("x", round(self.x - self.half_width))
@@ -62,7 +62,7 @@ impl Pen {
         self.add(node);
     }
 
-    pub(super) fn circle(&mut self) {
+    pub(crate) fn circle(&mut self) {
         let node = Circle::new()
             .set("class", "body")
             .set("cx", round(self.x))
@@ -71,18 +71,18 @@ impl Pen {
         self.add(node);
     }
 
-    pub(super) fn triangle(&mut self) {
+    pub(crate) fn triangle(&mut self) {
         self.outline("body", &[(-1.0, -1.0), (1.0, 0.0), (-1.0, 1.0)], true);
     }
 
-    pub(super) fn boxed(&mut self, sign: &str) {
+    pub(crate) fn boxed(&mut self, sign: &str) {
         self.frame();
         let class = if sign.chars().count() > 2 { "word" } else { "sign" };
         let drop = if class == "sign" { 8.0 } else { 4.5 };
         self.text(0.0, drop, class, sign);
     }
 
-    pub(super) fn characteristic(&mut self, points: &[(f64, f64)]) {
+    pub(crate) fn characteristic(&mut self, points: &[(f64, f64)]) {
         self.frame();
         self.curve("axis", &[(-1.1, 0.0), (1.1, 0.0)]);
         self.curve("axis", &[(0.0, -1.1), (0.0, 1.1)]);
@@ -90,7 +90,7 @@ impl Pen {
     }
 
     /// A flag that points the way of the signal.
-    pub(super) fn flag(&mut self, text: &str) {
+    pub(crate) fn flag(&mut self, text: &str) {
         let points = [(-1.0, -1.0), (0.6, -1.0), (1.0, 0.0), (0.6, 1.0), (-1.0, 1.0)];
         self.outline("body", &points, true);
         self.text(-4.0, 4.0, "tiny", text);
@@ -98,6 +98,6 @@ impl Pen {
 }
 
 /// A length to a tenth of a pixel.
-pub(in crate::draw) fn round(value: f64) -> f64 {
+pub(crate) fn round(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
