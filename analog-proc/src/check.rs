@@ -15,14 +15,8 @@ use crate::patch::{Draft, Faults, PatchFault};
 use miette::LabeledSpan;
 use std::collections::HashMap;
 
-/// A net that has been checked; only [`crate::order`] can use it, together with the faults found.
-#[derive(Debug)]
-pub(crate) struct Checked {
-    pub(crate) draft: Draft,
-}
-
 /// Checks a draft; faults are added to those of the stages before.
-pub(crate) fn check(draft: Draft, faults: &mut Faults) -> Checked {
+pub(crate) fn check(draft: &Draft, faults: &mut Faults) {
     let netlist = &draft.netlist;
     if netlist.blocks.is_empty() && faults.is_empty() {
         faults.push(Span::default(), |src, at| PatchFault::NoBlocks {
@@ -33,11 +27,10 @@ pub(crate) fn check(draft: Draft, faults: &mut Faults) -> Checked {
     }
     for (index, block) in netlist.blocks.iter().enumerate() {
         if !draft.broken[index] {
-            wiring(block, &draft, faults);
+            wiring(block, draft, faults);
         }
     }
-    channels(&draft, faults);
-    Checked { draft }
+    channels(draft, faults);
 }
 
 /// Logic to logic, analog to analog.

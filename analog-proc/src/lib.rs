@@ -1,7 +1,7 @@
 //! The analog processor: a parallel array of continuously integrated blocks.
 //!
-//! A patch passes through stages, each a type of its own, so that an unchecked
-//! net cannot run: text → net → checked → ordered → machine.
+//! A patch passes through stages, each a type of its own, so that a net with faults
+//! cannot run: text → net → ordered → machine.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod block;

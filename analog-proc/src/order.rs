@@ -1,21 +1,20 @@
-//! Checked → ordered: an evaluation order in which every net is computed before it is read.
+//! Net → ordered: an evaluation order in which every net is computed before it is read.
 //!
 //! A block that passes its inputs on within the instant (direct feedthrough)
 //! comes after those it reads; a store comes first, since its output does not
 //! depend on anything at that instant. A closed path without a store has no
 //! such order: it is an algebraic loop, and is shown whole.
 
-use crate::check::Checked;
 use crate::net::{Block, BlockId, Netlist, Span};
-use crate::patch::{Faults, PatchFault, PatchFaults, Sources};
+use crate::patch::{Draft, Faults, PatchFault, PatchFaults, Sources};
 use miette::LabeledSpan;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// A checked net with its evaluation order. Only the checker makes one.
+/// A net without faults, with its evaluation order. Only compiling makes one.
 #[derive(Clone, Debug)]
 pub struct Ordered {
-    /// The checked net.
+    /// The net.
     pub netlist: Netlist,
     /// Blocks in order of evaluation: stores first, then each block after those it reads.
     pub order: Vec<BlockId>,
@@ -50,8 +49,7 @@ struct Edge {
 }
 
 /// Orders a net, or gives all faults, its loops among them.
-pub(crate) fn order(checked: Checked, mut faults: Faults) -> Result<Ordered, PatchFaults> {
-    let draft = checked.draft;
+pub(crate) fn order(draft: Draft, mut faults: Faults) -> Result<Ordered, PatchFaults> {
     let netlist = draft.netlist;
     let into: Vec<Vec<Edge>> = netlist
         .blocks

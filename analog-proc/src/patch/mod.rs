@@ -1,6 +1,6 @@
 //! The patch language: from files to a net that can run.
 //!
-//! Stages: text → net → checked → ordered. Each goes on as far as the faults of
+//! Stages: text → net → ordered. Each goes on as far as the faults of
 //! the one before allow, so that one run shows every fault; but only a patch
 //! without any becomes [`Ordered`].
 
@@ -59,8 +59,8 @@ pub fn compile(bundle: &PatchBundle, params: &[(String, f64)]) -> Result<Ordered
     let Some(draft) = resolve::resolve(&names, &texts, root, params, &mut faults) else {
         return Err(faults.into_faults());
     };
-    let checked = check::check(draft, &mut faults);
-    order::order(checked, faults)
+    check::check(&draft, &mut faults);
+    order::order(draft, faults)
 }
 
 /// Reads the root and all files that it reaches; the others stay empty.

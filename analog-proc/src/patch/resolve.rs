@@ -2,7 +2,7 @@
 //!
 //! A block with a fault stays in the draft as broken, with whatever of it could
 //! be understood, so that the later stages can look at the rest of the patch
-//! without repeating the fault. A draft with faults never becomes a checked net.
+//! without repeating the fault. A draft with faults is never ordered.
 
 mod inputs;
 
