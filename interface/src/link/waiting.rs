@@ -21,14 +21,17 @@ use super::{LinkFault, bell::Bell};
 use crate::Side;
 use std::{
     sync::{
-        Arc,
+        Arc, OnceLock,
         atomic::{AtomicBool, Ordering},
     },
     time::{Duration, Instant},
 };
 
-/// A frame that is ready comes within this time when both sides have a core.
+/// A frame that is ready comes within this time when both sides have a core …
 const SPIN: Duration = Duration::from_micros(2);
+/// … and one that a study asks for within this: a side that yields meanwhile takes up the
+/// other's work some microseconds late, frame by frame.
+const SPIN_APART: Duration = Duration::from_micros(20);
 /// Time given to the partner on a shared core before the wait sleeps.
 const YIELD: Duration = Duration::from_micros(200);
 /// The same in a wait for a frame on the wall clock, where lateness counts: longer than a fast
@@ -125,6 +128,12 @@ pub(super) enum Limit {
     Unlimited,
 }
 
+/// Whether both sides can run at once.
+fn are_apart() -> bool {
+    static APART: OnceLock<bool> = OnceLock::new();
+    *APART.get_or_init(|| std::thread::available_parallelism().is_ok_and(|n| n.get() > 1))
+}
+
 /// Waits until `attempt` gives something.
 pub(super) fn wait<W: Watch, T>(
     patience: &Patience,
@@ -138,13 +147,15 @@ pub(super) fn wait<W: Watch, T>(
         return Ok(found);
     }
     let start = Instant::now();
-    while start.elapsed() < SPIN {
+    let prompt = limit == Limit::Prompt;
+    // On the wall clock both sides may share a processor.
+    let spin = if !prompt && are_apart() { SPIN_APART } else { SPIN };
+    while start.elapsed() < spin {
         std::hint::spin_loop();
         if let Some(found) = attempt(watch)? {
             return Ok(found);
         }
     }
-    let prompt = limit == Limit::Prompt;
     let awake = match (prompt, watch.bell().crowded()) {
         (true, _) => YIELD_PROMPT,
         (false, false) => YIELD,
