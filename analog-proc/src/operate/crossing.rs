@@ -5,7 +5,7 @@
 
 use super::Engine;
 use super::instants::resolution_s;
-use super::search::{END, START};
+use super::search::{END, START, cubic};
 use super::watch::is_beyond;
 use crate::event::fatal;
 use crate::fault::RunFault;
@@ -25,11 +25,9 @@ const ROOT_ITERATIONS: usize = 12;
 /// over an interval of `h`, rises through zero: Newton's method, halving where that leaves the
 /// bracket.
 fn root_of_cubic(low: Rated, high: Rated, h: f64) -> f64 {
-    let (d0, d1) = (h * low.rate, h * high.rate);
-    let rise = high.value - low.value;
-    let (c2, c3) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
+    let [d0, c2, c3] = cubic(low, high, h);
     let (mut from, mut to) = (0.0, 1.0);
-    let mut x = (-low.value / rise).clamp(0.0, 1.0);
+    let mut x = (-low.value / (high.value - low.value)).clamp(0.0, 1.0);
     for _ in 0..ROOT_ITERATIONS {
         let value = low.value + x * (d0 + x * (c2 + x * c3));
         if value > 0.0 {
@@ -54,6 +52,8 @@ pub(super) enum Ending {
     Whole,
     /// It is cut at this instant, where nothing was crossed after all.
     Cut(f64),
+    /// The same, where what seemed to cross rests on its surface as far as rounding tells.
+    Rest(f64),
     /// At this instant an element leaves its region.
     Crossed(f64, u32),
     /// The method failed at a shorter step than the one accepted.
@@ -132,8 +132,8 @@ impl Engine {
         if !self.crossed_at(high_s, true)? {
             // The dense output saw what the method does not confirm: the step is cut
             // there and goes on from its true value.
-            self.cut_at_surface = self.is_at_surface();
-            return Some(Ok(Ending::Cut(high_s)));
+            let ending = if self.is_at_surface() { Ending::Rest } else { Ending::Cut };
+            return Some(Ok(ending(high_s)));
         }
         std::mem::swap(&mut self.margins, &mut self.margins_high);
         let (mut low_s, mut high_s) = (self.t_s, high_s);
@@ -195,8 +195,8 @@ impl Engine {
 
     /// Narrows a bracket whose lower end is not crossed (`margins_low`) and whose upper
     /// end is (`margins_high`) to `width_s`, or to rounding, by the cubics through both ends, with
-    /// a bisection every fourth time; `former_s` is where the crossing was expected before. Returns the last instant probed and the upper end; `None` where the
-    /// method fails.
+    /// a bisection every fourth time; `former_s` is where the crossing was expected before.
+    /// Returns the last instant probed and the upper end; `None` where the method fails.
     fn narrow(
         &mut self,
         mut low_s: f64,

@@ -71,11 +71,16 @@ fn third(a: Rated, b: Rated, h: f64) -> f64 {
     2.0 * (a.value - b.value) + h * (a.rate + b.rate)
 }
 
-/// The part of an interval at which the cubic over it turns, or near it; a maximum first.
-fn turn(a: Rated, b: Rated, h: f64) -> Option<f64> {
+/// Coefficients of x, x² and x³ of the cubic over an interval of length `h`, x from 0 to 1.
+pub(super) fn cubic(a: Rated, b: Rated, h: f64) -> [f64; 3] {
     let (d0, d1) = (h * a.rate, h * b.rate);
     let rise = b.value - a.value;
-    let (c2, c3) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
+    [d0, 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise]
+}
+
+/// The part of an interval at which the cubic over it turns, or near it; a maximum first.
+fn turn(a: Rated, b: Rated, h: f64) -> Option<f64> {
+    let [d0, c2, c3] = cubic(a, b, h);
     let root = (c2 * c2 - 3.0 * c3 * d0).sqrt();
     // Of d0 + 2 c2 x + 3 c3 x²: the slope falls through the first of the zeros, rises through
     // the second.
@@ -313,10 +318,9 @@ impl Engine {
     }
 
     /// Steps on end that were cut where the dense output crosses a surface and the method does
-    /// not: beyond some, the output tells nothing of the solution, unless that has come to rest on
-    /// the surface.
+    /// not: beyond some, the output tells nothing of the solution.
     pub(super) fn count_cuts(&mut self, cut: bool) -> Result<(), RunFault> {
-        self.cuts = if cut && !self.cut_at_surface { self.cuts + 1 } else { 0 };
+        self.cuts = if cut { self.cuts + 1 } else { 0 };
         if self.cuts > MOST_CUTS {
             return Err(self.not_followed());
         }

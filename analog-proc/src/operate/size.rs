@@ -38,8 +38,7 @@ impl Engine {
         }
         let unscaled = |(scale, turned): (&Option<f64>, &bool)| scale.is_none() && !turned;
         if self.machine.scales.iter().zip(&self.turned).any(unscaled) {
-            let nets = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            self.greatest = self.greatest.max(nets);
+            self.greatest = self.greatest.max(self.greatest_net());
         }
         let floor = if self.greatest > 0.0 { (FLOOR * self.greatest).min(1.0) } else { 1.0 };
         let atol = self.integration.atol;
@@ -51,6 +50,11 @@ impl Engine {
         }
     }
 
+    /// The greatest magnitude of a net as they stand.
+    pub(super) fn greatest_net(&self) -> f64 {
+        self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+    }
+
     /// After a step was refused for its error: where a shorter one erred as much, within what
     /// rounding can do, that error is not to be asked for less.
     pub(super) fn find_grain(&mut self, error: f64, former: &mut Option<(usize, f64, f64)>) {
@@ -59,12 +63,10 @@ impl Engine {
         if let Some((was_worst, was_h_s, was)) = former.replace((worst, h_s, own))
             && was_worst == worst
             && own > was * (h_s / was_h_s).powi(2)
+            && own <= GRAIN * f64::EPSILON * self.greatest_net() * h_s
         {
-            let nets = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if own <= GRAIN * f64::EPSILON * nets * h_s {
-                self.grain[worst] = 4.0 * own;
-                self.atol[worst] = self.atol[worst].max(4.0 * own);
-            }
+            self.grain[worst] = 4.0 * own;
+            self.atol[worst] = self.atol[worst].max(4.0 * own);
         }
     }
 

@@ -135,7 +135,7 @@ impl Engine {
         };
         self.count_cuts(matches!(ending, Ending::Cut(_)))?;
         let (end_s, cut) = match ending {
-            Ending::Cut(end_s) | Ending::Crossed(end_s, _) => (end_s, true),
+            Ending::Cut(end_s) | Ending::Rest(end_s) | Ending::Crossed(end_s, _) => (end_s, true),
             Ending::Whole | Ending::Failed => (end_s, false),
         };
         self.complete(end_s);

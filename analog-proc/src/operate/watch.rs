@@ -170,8 +170,7 @@ impl Engine {
     /// Before settling: a signal that is within rounding of a surface and moves away from it has
     /// not crossed it, unless something jumps.
     pub(super) fn hold_what_leaves(&mut self) {
-        let greatest = self.nets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let near = NEAR * greatest;
+        let near = NEAR * self.greatest_net();
         let sides = &self.nodes[START].sides;
         if sides.iter().any(|side| side.rate < 0.0 && side.value.abs() <= near) {
             self.find_noise(START);
