@@ -4,7 +4,7 @@
 //! once, at load, so that a frame touches only indices. It knows nothing of
 //! rockets and refuses a name that the patch does not have, with the nearest one.
 
-use crate::file_fault::suggestion;
+use desk::faults::suggestion;
 use interface::{
     Tick,
     control::{Channel, ChannelKind, Overload, PatchBundle, Reply, Request, RunSpec},

@@ -6,9 +6,9 @@
 //! a thread of this process. With `--attach` somebody else's analog-proc is
 //! joined and left running.
 
+use desk::command_line::expect_files;
 use interface::{
     Side,
-    command_line::expect_files,
     link::{AnalogPort, DigitalPort, LinkFault, Patience, memory, shm::ShmDigital},
     session::{Session, SessionError},
 };

@@ -1,7 +1,7 @@
 //! The studies of the paper's section 4.
 
 pub mod case_study;
-pub mod claim;
+pub(crate) mod evidence;
 pub mod failure_file;
 pub mod gain_design;
 pub mod long_period;

@@ -24,11 +24,11 @@ pub use data::{
 pub use mass::{MassModel, MassProperties};
 pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};
 
-use crate::file_fault::{self, FileFault, FileFaults, Source};
 use crate::gain_schedule::GainSchedule;
 use crate::pitch_programme::PitchProgramme;
 use crate::table::{Edge, Table, TableError};
 use crate::table_edges::{EdgeRecord, TableName};
+use desk::faults::{self, FileFault, FileFaults, Source};
 
 /// Text of the shipped data set.
 pub const SHIPPED_TEXT: &str = include_str!("../data/vehicle.toml");
@@ -77,7 +77,7 @@ impl Vehicle {
 
     /// Reads a user's file.
     pub fn load(path: &Path) -> Result<Self, FileFaults> {
-        file_fault::load(path, Self::from_toml)
+        faults::load(path, Self::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.

@@ -2,12 +2,10 @@
 //!
 //! It depends on neither. It defines problem time ([`Tick`]), the frames that
 //! cross at sampled rates ([`frame`]), the slow control plane ([`control`]),
-//! two links behind one pair of traits ([`link`]), and what both command lines
-//! share ([`command_line`]).
+//! and two links behind one pair of traits ([`link`]).
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod coefficient;
-pub mod command_line;
 pub mod control;
 pub mod converter;
 pub mod deviate;

@@ -160,10 +160,10 @@ pub fn partner_of(child: &Child) -> u32 {
 
 /// Rows of a trace that can be read, whether it was ended or cut off.
 pub fn trace_rows(directory: &Path) -> usize {
-    digital_proc::run_dir::RunDirectory::open(directory)
+    desk::run_dir::RunDirectory::open(directory)
         .map(|d| d.read_trace().unwrap().rows())
         .unwrap_or_else(|_| {
-            digital_proc::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
+            desk::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
         })
 }
 

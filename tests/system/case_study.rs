@@ -6,21 +6,19 @@ use crate::{
     golden,
 };
 use analog_proc::serve::serve;
+use desk::claim::{Claim, Verdict};
 use digital_proc::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
-    study::{
-        claim::{Claim, Verdict},
-        short_period::{
-            bench::Occurrence,
-            claims::{self, FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW},
-            machine::{self, Answers, Patches},
-            outcome::Outcome,
-            plan::Plan,
-            reference,
-            response::Response,
-            study_file::{SHIPPED_TEXT, Study},
-        },
+    study::short_period::{
+        bench::Occurrence,
+        claims::{self, FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW},
+        machine::{self, Answers, Patches},
+        outcome::Outcome,
+        plan::Plan,
+        reference,
+        response::Response,
+        study_file::{SHIPPED_TEXT, Study},
     },
     vehicle::Vehicle,
 };

@@ -7,7 +7,7 @@
 //! hashes are the same, as they are on any processor and any number of cores (`.ci/soak`).
 
 use crate::bench_top::{BenchTop, DIGITAL, expect};
-use digital_proc::run_dir::Trace;
+use desk::run_dir::Trace;
 use sha2::{Digest, Sha256};
 use std::{
     collections::BTreeMap,

@@ -2,12 +2,12 @@
 
 use crate::bench_top::{BenchTop, expect};
 use analog_proc::serve::serve;
+use desk::claim::Verdict;
 use digital_proc::{
     console::Console,
     flight_mode::FlightScript,
     launch::{AnalogEntry, LinkChoice, Started},
     study::{
-        claim::Verdict,
         failure_file::FailureFile,
         long_period::{
             claims,

@@ -4,7 +4,7 @@
 //! and the replay is the same all the same.
 
 use crate::bench_top::{BenchTop, DIGITAL, expect, partner_of, runs, signal, until, wait_within};
-use digital_proc::run_dir::{RunDirectory, Trace, TraceWriter};
+use desk::run_dir::{RunDirectory, Trace, TraceWriter};
 use interface::Tick;
 use std::{
     path::{Path, PathBuf},

@@ -2,7 +2,8 @@
 
 use super::{Failure, PatchArgs, is_coloured};
 use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
-use interface::{command_line::CHECK_FAILED, control::StaticCheckLine, profile::Profile, say};
+use desk::{command_line::CHECK_FAILED, say};
+use interface::{control::StaticCheckLine, profile::Profile};
 
 /// Check a patch.
 #[derive(clap::Args)]

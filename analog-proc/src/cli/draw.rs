@@ -2,7 +2,7 @@
 
 use super::{Failure, PatchArgs, expect_output};
 use crate::draw;
-use interface::say;
+use desk::say;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]

@@ -1,7 +1,8 @@
 //! How much a run would write, before it fills a disk.
 
 use super::Failure;
-use interface::{Tick, note};
+use desk::note;
+use interface::Tick;
 use std::path::Path;
 
 /// More rows than this are worth a word: a plot shows thousands.

@@ -11,7 +11,7 @@ mod run;
 mod serve;
 
 use clap::{Args, Parser, Subcommand};
-use interface::command_line::{self, BAD_INPUT, INTERRUPTED, OUTPUT_FAILED};
+use desk::command_line::{self, BAD_INPUT, INTERRUPTED, OUTPUT_FAILED};
 use std::{
     io::IsTerminal,
     path::{Path, PathBuf},

@@ -1,8 +1,9 @@
 //! Progress of a long run: a bar on a terminal, and a word where a stiff patch crawls.
 
 use crate::{net::Method, simulation::Pulse};
+use desk::note;
 use indicatif::{ProgressBar, ProgressStyle};
-use interface::{Tick, note};
+use interface::Tick;
 use std::time::{Duration, Instant};
 
 /// A run shorter than this shows no bar.

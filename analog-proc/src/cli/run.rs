@@ -8,7 +8,8 @@ use crate::{
     record::{RecordFault, Recorder},
     simulation::{Pulse, Simulation},
 };
-use interface::{Tick, command_line::interrupt_flag, note, say};
+use desk::{command_line::interrupt_flag, note, say};
+use interface::Tick;
 use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering};
 
 /// Run a patch by itself.

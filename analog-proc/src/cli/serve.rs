@@ -2,11 +2,13 @@
 
 use super::Failure;
 use crate::serve;
+use desk::{
+    command_line::{BAD_INPUT, INTERRUPTED, PARTNER_FAILED, expect_files, interrupt_flag},
+    say,
+};
 use interface::{
     Side,
-    command_line::{BAD_INPUT, INTERRUPTED, PARTNER_FAILED, expect_files, interrupt_flag},
     link::{LinkFault, Patience, shm::ShmAnalog},
-    say,
     session::{Session, SessionError},
 };
 

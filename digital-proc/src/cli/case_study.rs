@@ -7,9 +7,7 @@ use super::{
 };
 use crate::{
     console::Console,
-    progress::Progress,
-    report::{case_study::case_study_report, claims_text, long_period::fuel_words},
-    run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
+    report::{case_study::case_study_report, long_period::fuel_words},
     study::{
         case_study::{self, CaseFault, CasePlan, CaseResults},
         failure_file::FailureFile,
@@ -18,7 +16,13 @@ use crate::{
         short_period::{machine::Patches, plan::Plan},
     },
 };
-use interface::{Tick, profile::Profile, say};
+use desk::say;
+use desk::{
+    progress::Progress,
+    report::claims_text,
+    run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
+};
+use interface::{Tick, profile::Profile};
 use std::{
     path::PathBuf,
     time::{Instant, SystemTime},

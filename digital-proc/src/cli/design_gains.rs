@@ -23,7 +23,8 @@ use crate::{
         long_period::run::LongPeriodPlan,
     },
 };
-use interface::{note, profile::Profile, say};
+use desk::{note, say};
+use interface::profile::Profile;
 use serde::Serialize;
 
 /// Design the gain schedules: interval by interval on the short-period pitch loop,

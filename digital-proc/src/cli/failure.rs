@@ -1,15 +1,9 @@
 //! Why a command did not do what it was asked, with its exit code.
 
-use crate::{
-    console::ConsoleFault,
-    launch::LaunchFault,
-    run_dir::{RunDirError, TraceError},
-    study::long_period::run::StudyFault,
-};
-use interface::{
-    command_line::{BAD_INPUT, CHECK_FAILED, INTERRUPTED, OUTPUT_FAILED, PARTNER_FAILED},
-    link::LinkFault,
-};
+use crate::{console::ConsoleFault, launch::LaunchFault, study::long_period::run::StudyFault};
+use desk::command_line::{BAD_INPUT, CHECK_FAILED, INTERRUPTED, OUTPUT_FAILED, PARTNER_FAILED};
+use desk::run_dir::{RunDirError, TraceError};
+use interface::link::LinkFault;
 
 /// A message for the terminal and an exit code.
 #[derive(Debug)]

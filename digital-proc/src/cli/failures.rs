@@ -3,10 +3,10 @@
 use super::Failure;
 use crate::{
     flight_mode::{Action, Effect, Schedule},
-    report::{Heading, Table},
     study::failure_file::{FailureFile, SHIPPED_TEXT},
 };
-use interface::say;
+use desk::report::{Heading, Table};
+use desk::say;
 use std::path::PathBuf;
 
 /// List the modes of a failure file and what happens in each; a faulty file is

@@ -12,21 +12,24 @@ use crate::{
     },
     flight_mode::FlightMode,
     flight_summary::FlightSummary,
-    progress::Progress,
     report::{
-        Summary,
         flight::{FlightContext, flight_report},
         pacing::{pacing_section, pacing_text},
-    },
-    run_dir::{
-        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, UtcSecond,
     },
     saturation::Saturations,
     study::failure_file::FailureFile,
     vehicle::Vehicle,
 };
 use clap::ValueEnum;
-use interface::{Tick, frame::Samples, note, profile::Profile, say};
+use desk::{note, say};
+use desk::{
+    progress::Progress,
+    report::Summary,
+    run_dir::{
+        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, UtcSecond,
+    },
+};
+use interface::{Tick, frame::Samples, profile::Profile};
 use std::{path::PathBuf, time::SystemTime};
 
 /// Rows in one batch of the trace: what a crash may cost.

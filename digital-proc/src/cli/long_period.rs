@@ -6,13 +6,8 @@ use super::{
 };
 use crate::{
     console::Console,
-    progress::Progress,
-    report::{
-        claims_text,
-        long_period::{fuel_table, fuel_words, load_table, long_period_sections, mode_table},
-    },
+    report::long_period::{fuel_table, fuel_words, load_table, long_period_sections, mode_table},
     study::{
-        claim::{Claim, Verdict},
         failure_file::FailureFile,
         long_period::{
             claims::judge,
@@ -21,7 +16,13 @@ use crate::{
         },
     },
 };
-use interface::{profile::Profile, say};
+use desk::say;
+use desk::{
+    claim::{Claim, Verdict},
+    progress::Progress,
+    report::claims_text,
+};
+use interface::profile::Profile;
 use serde::Serialize;
 use std::path::PathBuf;
 

@@ -22,7 +22,7 @@ pub use failure::Failure;
 
 use crate::launch::{AnalogEntry, LinkChoice, Started};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use interface::command_line;
+use desk::command_line;
 use std::{
     process::ExitCode,
     sync::{Arc, atomic::AtomicBool},

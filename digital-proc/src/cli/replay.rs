@@ -3,19 +3,21 @@
 use super::{Context, Failure, JoinArgs, fly::BATCH_ROWS, runs::open_run};
 use crate::{
     console::{Console, ConsoleFault},
-    file_fault::Source,
     flight::{
         FlightFault, Stage, Timing, TransferLog,
         plan_record::{Pace, PlanRecord},
         trace,
     },
+};
+use desk::say;
+use desk::{
+    faults::Source,
     progress::Progress,
     run_dir::{
         DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
         TRANSFERS_FILE, Trace, TraceWriter, first_difference,
     },
 };
-use interface::say;
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -1,13 +1,13 @@
 //! `digital-proc list | export | plot`: what runs have left behind.
 
 use super::Failure;
-use crate::{
+use desk::note;
+use desk::{
     report::trace_report,
     run_dir::{
         DEFAULT_BASE, RunDirectory, RunState, TRANSFERS_FILE, Trace, list_runs, resolve, write_csv,
     },
 };
-use interface::note;
 use std::{
     io::{self, Write},
     path::{Path, PathBuf},

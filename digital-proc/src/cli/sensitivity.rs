@@ -6,7 +6,6 @@ use super::{
 };
 use crate::{
     console::Console,
-    progress::Progress,
     report::sensitivity::{corner_table, ranking_table, sensitivity_sections},
     study::{
         gain_design::bench::PitchBench,
@@ -16,7 +15,9 @@ use crate::{
         },
     },
 };
-use interface::{profile::Profile, say};
+use desk::progress::Progress;
+use desk::say;
+use interface::profile::Profile;
 use std::path::PathBuf;
 
 /// Disperse the pitch loop: aerodynamics, actuators, gyro and bending, one at a

@@ -6,11 +6,9 @@ use super::{
 };
 use crate::{
     console::Console,
-    progress::Progress,
     report::short_period::{
         agreement_table, dashed, pitch_table, short_period_report, yaw_roll_table,
     },
-    run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
     study::short_period::{
         claims::NORMAL,
         machine::{self, Patches},
@@ -19,7 +17,12 @@ use crate::{
         response::{PITCH_CHANNELS, YAW_ROLL_CHANNELS},
     },
 };
-use interface::{Tick, profile::Profile, say};
+use desk::say;
+use desk::{
+    progress::Progress,
+    run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
+};
+use interface::{Tick, profile::Profile};
 use serde_json::json;
 use std::{path::PathBuf, time::SystemTime};
 

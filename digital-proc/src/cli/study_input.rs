@@ -5,10 +5,12 @@ use super::{
     vehicle_args::{self, VehicleArgs},
 };
 use crate::{
-    file_fault::suggestion,
-    run_dir::{Column, RunDirectory, RunRecord, TraceError, TraceWriter, UtcSecond},
     study::short_period::{plan::Plan, study_file::Study},
     vehicle::Vehicle,
+};
+use desk::{
+    faults::suggestion,
+    run_dir::{Column, RunDirectory, RunRecord, TraceError, TraceWriter, UtcSecond},
 };
 use interface::{Tick, profile::Profile};
 use std::{fs::File, path::PathBuf};

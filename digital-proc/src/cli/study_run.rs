@@ -4,10 +4,10 @@ use super::{
     Failure, MachineArgs,
     vehicle_args::{self, VehicleArgs},
 };
-use crate::{
+use crate::vehicle::Vehicle;
+use desk::{
     report::{Section, page, provenance},
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
-    vehicle::Vehicle,
 };
 use interface::profile::Profile;
 use serde::Serialize;

@@ -19,11 +19,11 @@ use crate::{
     executive::Rate,
     flight_summary::{FlightMonitor, FlightSummary},
     reference::FlightCase,
-    run_dir::TraceError,
     trajectory::FlightError,
     vehicle::Vehicle,
 };
 use channels::StageChannels;
+use desk::run_dir::TraceError;
 use interface::{
     Tick,
     control::{Clock, PatchBundle, RunSpec},

@@ -8,16 +8,18 @@
 use super::{AlphaPath, FlightPlan};
 use crate::{
     executive::Rate,
-    file_fault::{FileFaults, Source},
     flight_mode::FlightScript,
     reference::FlightCase,
-    run_dir::Seed,
     table::TableError,
     vehicle::{Vehicle, VehicleData},
     wind::{Wind, WindDirection},
     wind_ensemble,
 };
 use clap::ValueEnum;
+use desk::{
+    faults::{FileFaults, Source},
+    run_dir::Seed,
+};
 use interface::{Tick, profile::Profile};
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Columns of a flight's trace, and of the transfers of one on the wall clock.
 
 use super::{FrameResult, TransferLog};
-use crate::run_dir::{Column, Trace};
+use desk::run_dir::{Column, Trace};
 use interface::{
     Tick,
     frame::{Samples, Transfer},

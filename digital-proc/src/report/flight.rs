@@ -2,12 +2,11 @@
 
 use maud::{Markup, html};
 
-use super::plot::{Limit, Mark, Size};
-use super::trace_figures::{Curve, FigureSpec, trace_figure};
-use super::{
-    Numbering, Partition, Section, Summary, block_diagram, page, provenance, side_by_side,
-};
-use crate::run_dir::{RunRecord, Trace, TraceError};
+use super::{Partition, block_diagram};
+use desk::report::plot::{Limit, Mark, Size};
+use desk::report::{Curve, FigureSpec, trace_figure};
+use desk::report::{Numbering, Section, Summary, page, provenance, side_by_side};
+use desk::run_dir::{RunRecord, Trace, TraceError};
 
 /// Columns that a flight's trace must have for this report, with their units (SI, radians).
 pub const FLIGHT_COLUMNS: [(&str, &str); 11] = [
@@ -141,9 +140,9 @@ mod tests {
 
     use interface::Tick;
 
-    use super::super::trace_report;
     use super::*;
-    use crate::run_dir::{Column, PatchIdentity, Seed, TraceWriter};
+    use desk::report::trace_report;
+    use desk::run_dir::{Column, PatchIdentity, Seed, TraceWriter};
 
     /// A smooth stand-in for a flight: shapes and magnitudes only.
     fn sample_trace(rows: usize) -> Trace {

@@ -1,10 +1,5 @@
 //! Gain schedules as figures (7 and 8 of the paper) and the tables of their design.
 
-use super::{
-    Cell, Heading, Numbering, Section, Table,
-    plot::{Axis, LineChart, Series, Size, line_chart},
-    side_by_side,
-};
 use crate::{
     study::gain_design::{
         criteria::{Criteria, LoopQuality},
@@ -13,6 +8,11 @@ use crate::{
         merge::Trial,
     },
     vehicle::ScheduleData,
+};
+use desk::report::{
+    Cell, Heading, Numbering, Section, Table,
+    plot::{Axis, LineChart, Series, Size, line_chart},
+    side_by_side,
 };
 use maud::{Markup, html};
 

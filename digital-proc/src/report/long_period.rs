@@ -1,20 +1,19 @@
 //! The long-period study as tables and figures 6 to 8 of the paper.
 
-use super::{
-    Cell, Heading, Numbering, Section, Table, claims_table,
-    gain_design::schedule_charts,
-    plot::{Axis, LineChart, Series, Size, line_chart},
-    side_by_side,
-};
+use super::gain_design::schedule_charts;
+use crate::study::evidence;
 use crate::{
-    study::{
-        claim::{Claim, Evidence},
-        long_period::{
-            history::{VARIABLES, Variable},
-            results::{FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult},
-        },
+    study::long_period::{
+        history::{VARIABLES, Variable},
+        results::{FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult},
     },
     vehicle::ScheduleData,
+};
+use desk::claim::Claim;
+use desk::report::{
+    Cell, Heading, Numbering, Section, Table, claims_table,
+    plot::{Axis, LineChart, Series, Size, line_chart},
+    side_by_side,
 };
 use maud::{Markup, html};
 
@@ -118,10 +117,10 @@ pub fn fuel_words(results: &LongPeriodResults) -> String {
 /// A table a question: burn-out, loads and fuel, with the fuel in words below.
 pub(super) fn mode_tables(numbering: &mut Numbering, results: &LongPeriodResults) -> Markup {
     html! {
-        (numbering.table(Evidence::MODES.anchor(),
+        (numbering.table(evidence::MODES.anchor(),
             "Departure of each mode's burn-out from that of the undisturbed normal flight, its load and its fluid; design case.",
             mode_table(results).markup()))
-        (numbering.table(Evidence::LOADS.anchor(),
+        (numbering.table(evidence::LOADS.anchor(),
             "Largest Qα over wind and pitch misalignment, the latter in fractions of 3σ.",
             load_table(results).markup()))
         (numbering.table("fuel",
@@ -132,7 +131,7 @@ pub(super) fn mode_tables(numbering: &mut Numbering, results: &LongPeriodResults
 }
 
 /// The variable that has a limit, and a figure of full size.
-const LOAD: &str = Evidence::Q_ALPHA.anchor();
+const LOAD: &str = evidence::Q_ALPHA.anchor();
 
 /// Figures of the ten variables (after the paper's figure 6): the load, and the others.
 pub(super) fn variable_figures(
@@ -204,7 +203,7 @@ pub(super) fn schedule_figures(numbering: &mut Numbering, results: &LongPeriodRe
         (numbering.figure("figure-7",
             &format!("The designed gain schedules, {} switchings (after the paper's figure 7).", switchings(&results.designed)),
             side_by_side(&designed)))
-        (numbering.figure(Evidence::FIGURE_8.anchor(),
+        (numbering.figure(evidence::FIGURE_8.anchor(),
             &format!("The gain schedules reduced by long-period trials to {} switchings, beside the designed ones (after the paper's figure 8).", switchings(&results.reduced)),
             side_by_side(&reduced)))
     }

@@ -1,9 +1,9 @@
 //! How a flight kept to the wall clock: counts, latencies, and every overrun.
 
-use super::plot::{Axis, Histogram, Size, histogram};
-use super::table::{Heading, Table};
-use super::{Numbering, Section};
 use crate::flight::pacing::{Late, Pacing, quantile};
+use desk::report::plot::{Axis, Histogram, Size, histogram};
+use desk::report::{Heading, Table};
+use desk::report::{Numbering, Section};
 use interface::Tick;
 use maud::html;
 use std::fmt::Write as _;

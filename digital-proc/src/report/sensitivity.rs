@@ -1,12 +1,13 @@
 //! Sensitivities as ranked tables and tornado plots.
 
-use super::{
-    Cell, Heading, Numbering, Section, Table,
-    plot::{Axis, Tornado, TornadoBar, tornado},
-};
 use crate::study::sensitivity::{
     dispersion_file::Dispersions,
     run::{Measure, PointSensitivity},
+};
+use desk::report::anchor;
+use desk::report::{
+    Cell, Heading, Numbering, Section, Table,
+    plot::{Axis, Tornado, TornadoBar, tornado},
 };
 use maud::{Markup, html};
 
@@ -111,7 +112,7 @@ pub(super) fn ranking(
 ) -> Markup {
     let (label, _) = measure.label();
     numbering.table(
-        &format!("rank-{}", super::anchor(label)),
+        &format!("rank-{}", anchor(label)),
         &format!("{label}: dispersions ranked by span, each at its widest point."),
         ranking_table(points, measure).markup(),
     )
@@ -152,7 +153,7 @@ pub fn sensitivity_sections(
             }
             let spec = tornado_of(point, measure);
             tornados.push(numbering.figure(
-                &super::anchor(&spec.title),
+                &anchor(&spec.title),
                 &format!("{}; one dispersion at a time.", spec.title),
                 tornado(&spec),
             ));

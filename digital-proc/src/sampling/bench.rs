@@ -19,9 +19,9 @@ use super::{
 };
 use crate::{
     console::{Console, ConsoleFault},
-    file_fault::FileFaults,
     saturation::Saturations,
 };
+use desk::faults::FileFaults;
 use interface::{
     Tick,
     control::{Clock, PatchBundle, RunSpec},

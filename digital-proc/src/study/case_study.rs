@@ -4,7 +4,6 @@
 //! The plans are data, so that a caller (the command, or a test that spoils
 //! something on purpose) decides what runs; judging is the studies' own.
 
-use super::claim::Claim;
 use super::gain_design::{bench::PitchBench, design::DesignFault};
 use super::long_period::{
     self,
@@ -24,6 +23,7 @@ use super::short_period::{
 };
 use crate::console::{Console, ConsoleFault};
 use crate::vehicle::Vehicle;
+use desk::claim::Claim;
 use serde_json::{Value, json};
 
 /// What is run.

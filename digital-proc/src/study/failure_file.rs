@@ -5,8 +5,8 @@
 //! says what happens to the control system and when; wind and misalignments
 //! belong to the flight, not here.
 
-use crate::file_fault::{self, FileFault, FileFaults, Source, suggestion};
 use crate::flight_mode::{Action, Effect, FlightMode, FlightScript, Part, Schedule};
+use desk::faults::{self, FileFault, FileFaults, Source, suggestion};
 use serde::Deserialize;
 use std::{path::Path, sync::LazyLock};
 use toml::Spanned;
@@ -44,7 +44,7 @@ impl FailureFile {
     /// # Errors
     /// Every fault found.
     pub fn load(path: &Path) -> Result<FailureFile, FileFaults> {
-        file_fault::load(path, FailureFile::from_toml)
+        faults::load(path, FailureFile::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.

@@ -8,8 +8,8 @@ use std::cell::OnceCell;
 
 use super::data::{ScheduleData, VehicleData};
 use super::places::Places;
-use crate::file_fault::{FileFault, Source};
 use crate::table::{TableError, first_abscissa_fault};
+use desk::faults::{FileFault, Source};
 
 /// What a number must be.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! Where the keys of a vehicle file stand, for faults found after reading.
 
-use crate::file_fault::Source;
+use desk::faults::Source;
 use toml::de::{DeTable, DeValue};
 
 /// Finds where keys stand in a text.

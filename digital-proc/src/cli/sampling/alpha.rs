@@ -7,10 +7,6 @@ use super::{
 };
 use crate::{
     cli::Failure,
-    report::{
-        Cell, Heading, Table,
-        plot::{Axis, Compared, HeatCell, HeatMap, LineChart, Series, measured_vs_theory},
-    },
     sampling::{
         alpha::AlphaSetting,
         bench::Bench,
@@ -19,6 +15,10 @@ use crate::{
             damping_ratio,
         },
     },
+};
+use desk::report::{
+    Cell, Heading, Table,
+    plot::{Axis, Compared, HeatCell, HeatMap, LineChart, Series, measured_vs_theory},
 };
 use interface::Tick;
 

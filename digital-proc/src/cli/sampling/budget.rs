@@ -3,15 +3,17 @@
 use super::{Measure, hold, outcome::Outcome};
 use crate::{
     cli::Failure,
-    patch_source::bundle_from_path,
-    report::{
-        Cell, Heading, Table,
-        plot::{Axis, Compared, measured_vs_theory},
-    },
     sampling::{
         bench::Bench,
         loop_back::{Response, Route, Stages, window},
         theory::hold::Hold,
+    },
+};
+use desk::{
+    bundle::bundle_from_path,
+    report::{
+        Cell, Heading, Table,
+        plot::{Axis, Compared, measured_vs_theory},
     },
 };
 use interface::{Tick, profile::Profile};

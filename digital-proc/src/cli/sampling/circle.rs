@@ -3,15 +3,17 @@
 use super::{Measure, curve, hold, outcome::Outcome};
 use crate::{
     cli::Failure,
-    progress::Progress,
-    report::{
-        Heading, Table,
-        plot::{Axis, Compared, LineChart, Series, measured_vs_theory},
-    },
     sampling::{
         bench::Bench,
         feedback::CircleSetting,
         theory::{feedback_loop::FeedbackLoop, growth_per_cycle, hold::Hold},
+    },
+};
+use desk::{
+    progress::Progress,
+    report::{
+        Heading, Table,
+        plot::{Axis, Compared, LineChart, Series, measured_vs_theory},
     },
 };
 use interface::Tick;

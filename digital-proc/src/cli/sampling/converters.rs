@@ -3,15 +3,17 @@
 use super::{Measure, outcome::Outcome};
 use crate::{
     cli::Failure,
+    sampling::{
+        bench::Bench,
+        converter_error::{CoefficientSetting, QuantisationSetting, SkewSetting},
+    },
+};
+use desk::{
     report::{
         Heading, Table,
         plot::{Axis, Compared, measured_vs_theory},
     },
     run_dir::Seed,
-    sampling::{
-        bench::Bench,
-        converter_error::{CoefficientSetting, QuantisationSetting, SkewSetting},
-    },
 };
 use interface::Tick;
 

@@ -4,15 +4,17 @@ use super::{Measure, outcome::Outcome};
 use crate::{
     cli::{Failure, vehicle_args::VehicleArgs},
     flight_mode::FlightMode,
-    progress::Progress,
     reference::FlightCase,
-    report::{
-        Cell, Heading, Table,
-        plot::{Axis, Draw, LineChart, Series},
-    },
     sampling::{
         bench::Bench,
         flight::{FlightRow, Partition, row},
+    },
+};
+use desk::{
+    progress::Progress,
+    report::{
+        Cell, Heading, Table,
+        plot::{Axis, Draw, LineChart, Series},
     },
 };
 use interface::Tick;

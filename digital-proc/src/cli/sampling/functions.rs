@@ -3,15 +3,15 @@
 use super::{Measure, outcome::Outcome};
 use crate::{
     cli::Failure,
-    report::{
-        Heading, Table,
-        plot::{Axis, Compared, LineChart, Series, measured_vs_theory},
-    },
     sampling::{
         axes::{Axes, AxesRow, AxesSetting},
         bench::Bench,
         function_generation::{FunctionRow, FunctionSetting, Way},
     },
+};
+use desk::report::{
+    Heading, Table,
+    plot::{Axis, Compared, LineChart, Series, measured_vs_theory},
 };
 use interface::Tick;
 

@@ -15,7 +15,6 @@ use self::outcome::Outcome;
 use super::{Context, Failure, MachineArgs};
 use crate::{
     console::Console,
-    run_dir::{DEFAULT_BASE, UtcSecond},
     sampling::{
         bench::{Bench, BenchFault},
         plan::LabError,
@@ -23,6 +22,7 @@ use crate::{
     },
 };
 use clap::{Args, Subcommand};
+use desk::run_dir::{DEFAULT_BASE, UtcSecond};
 use interface::profile::Profile;
 use std::{path::PathBuf, time::SystemTime};
 

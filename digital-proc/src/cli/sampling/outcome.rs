@@ -1,7 +1,8 @@
 //! What an experiment came to, and how it leaves the program: terminal, CSV, report, JSON.
 
 use super::super::{Failure, MachineArgs};
-use crate::{
+use desk::{command_line::CHECK_FAILED, say};
+use desk::{
     report::{
         Cell, Numbering, Section, Table, page,
         plot::{HeatMap, LineChart, heat_map, line_chart},
@@ -9,7 +10,6 @@ use crate::{
     },
     run_dir::{PatchIdentity, RunDirectory, RunRecord, Seed, UtcSecond},
 };
-use interface::{command_line::CHECK_FAILED, say};
 use maud::html;
 use std::{collections::BTreeMap, path::Path};
 

@@ -7,15 +7,17 @@ use super::{
 };
 use crate::{
     cli::Failure,
-    progress::Progress,
-    report::{
-        Heading, Table,
-        plot::{Axis, Compared, measured_vs_theory},
-    },
     sampling::{
         bench::Bench,
         feedback::{Compensation, RootSetting},
         theory::damping_ratio,
+    },
+};
+use desk::{
+    progress::Progress,
+    report::{
+        Heading, Table,
+        plot::{Axis, Compared, measured_vs_theory},
     },
 };
 use interface::Tick;

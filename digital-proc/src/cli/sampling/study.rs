@@ -4,15 +4,17 @@ use super::{Measure, outcome::Outcome};
 use crate::{
     cli::Failure,
     console::ConsoleFault,
-    patch_source::bundle_from_path,
+    sampling::{
+        bench::{Bench, BenchFault},
+        loop_study::{self, LoopRow, Remark},
+    },
+};
+use desk::{
+    bundle::bundle_from_path,
     progress::Progress,
     report::{
         Cell, Heading, Table,
         plot::{Axis, LineChart, Series},
-    },
-    sampling::{
-        bench::{Bench, BenchFault},
-        loop_study::{self, LoopRow, Remark},
     },
 };
 use std::path::PathBuf;
@@ -99,7 +101,7 @@ impl Measure for Loop {
                         .unzip();
                     let bits = kind.1.map_or("ideal".to_owned(), |b| format!("{b} bits"));
                     Series::line(format!("latency {} frames, {bits}", kind.0), &x, &y)
-                        .draw(crate::report::plot::Draw::LineAndMarkers)
+                        .draw(desk::report::plot::Draw::LineAndMarkers)
                 })
                 .collect()
         };

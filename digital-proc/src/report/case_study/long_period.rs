@@ -3,9 +3,9 @@
 use maud::{Markup, html};
 
 use crate::report::long_period::{mode_tables, schedule_figures, variable_figures};
-use crate::report::{Numbering, Section};
 use crate::study::case_study::CaseResults;
 use crate::study::long_period::results::LongPeriodResults;
+use desk::report::{Numbering, Section};
 
 /// The sections in order.
 pub(super) fn sections(numbering: &mut Numbering, results: &CaseResults) -> Vec<Section> {

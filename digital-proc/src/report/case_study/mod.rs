@@ -6,9 +6,10 @@ mod short_period;
 
 use maud::html;
 
-use super::{Numbering, Partition, Section, block_diagram, claims_table, page, provenance};
-use crate::run_dir::RunRecord;
+use super::{Partition, block_diagram};
 use crate::study::case_study::{CasePlan, CaseResults};
+use desk::report::{Numbering, Section, claims_table, page, provenance};
+use desk::run_dir::RunRecord;
 
 /// The report as a page.
 pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRecord) -> String {

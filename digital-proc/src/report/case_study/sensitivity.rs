@@ -2,13 +2,13 @@
 
 use maud::{Markup, html};
 
-use crate::report::plot::tornado;
 use crate::report::sensitivity::{corners, ranking, tornado_of};
-use crate::report::{Numbering, Section, anchor};
 use crate::study::sensitivity::{
     dispersion_file::Dispersions,
     run::{Measure, PointSensitivity},
 };
+use desk::report::plot::tornado;
+use desk::report::{Numbering, Section, anchor};
 
 /// The section.
 pub(super) fn section(

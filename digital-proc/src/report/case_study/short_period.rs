@@ -1,19 +1,19 @@
 //! Short-period part: figures 4 and 5, the condition matrix, linear agreement.
 
+use crate::study::evidence;
 use maud::{Markup, html};
 
 use crate::report::short_period::{
     Measure, Named, agreement_section, matrix, pitch_figures, pitch_pair, remarks, yaw_roll_figures,
 };
-use crate::report::{Numbering, Section, anchor};
 use crate::study::case_study::CaseResults;
-use crate::study::claim::Evidence;
 use crate::study::short_period::claims::{
     BENDING_MIDDLE, FTC_GAIN_LOST, NORMAL, OSCILLATORY, OVERSHOOT_P1, TVC_FAST, TVC_SLOW,
 };
 use crate::study::short_period::measure::YAW_BAND_DEG;
 use crate::study::short_period::outcome::{Outcome, Run, YawRollRun};
 use crate::study::short_period::response::PitchResponse;
+use desk::report::{Numbering, Section, anchor};
 
 /// Cells of the matrix that get a figure of their own.
 const WORST: usize = 10;
@@ -69,7 +69,7 @@ fn figure_4(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
     let runs = pitch_runs(outcome, point, &[NORMAL, FTC_GAIN_LOST, TVC_SLOW]);
     let at = place(outcome, point);
     let step = outcome.plan.step_rad.to_degrees();
-    let figures = pitch_figures(numbering, Evidence::FIGURE_4.anchor(), &format!("at {at}"), &runs);
+    let figures = pitch_figures(numbering, evidence::FIGURE_4.anchor(), &format!("at {at}"), &runs);
     let growth = growth(numbering, outcome);
     Some(html! {
         p { "Step command of " (format!("{step:.1}")) "° in pitch with thrust misalignment and a step gust at t = 0, at " (at)
@@ -92,7 +92,7 @@ fn growth(numbering: &mut Numbering, outcome: &Outcome) -> Option<Markup> {
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let runs = pitch_runs(outcome, point, &[NORMAL, TVC_FAST]);
     let at = format!("at {}", place(outcome, point));
-    Some(pitch_pair(numbering, Evidence::BENDING_GROWTH.anchor(), &at, &runs))
+    Some(pitch_pair(numbering, evidence::BENDING_GROWTH.anchor(), &at, &runs))
 }
 
 fn yaw_roll_run(outcome: &Outcome, point: usize, dedicated: bool) -> Option<&YawRollRun> {
@@ -122,7 +122,7 @@ fn figure_5(numbering: &mut Numbering, results: &CaseResults) -> Option<Markup> 
     let at = place(outcome, point);
     let figures = yaw_roll_figures(
         numbering,
-        Evidence::FIGURE_5.anchor(),
+        evidence::FIGURE_5.anchor(),
         &format!("at {at}"),
         &named,
         travel,
@@ -165,7 +165,7 @@ fn worst_responses(numbering: &mut Numbering, outcome: &Outcome) -> (Markup, Dra
     let body = html! {
         p { "The " (parts.len()) " cells of the matrix with the largest residual oscillation, each beside the normal mode at its point." }
         @for (name, residual, figures) in &parts {
-            h3 { (name) ": residual " (crate::report::format::with_unit(*residual, 3, "%")) }
+            h3 { (name) ": residual " (desk::report::format::with_unit(*residual, 3, "%")) }
             (figures)
         }
     };
@@ -214,7 +214,7 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
             },
         ),
         (
-            Evidence::OVERSHOOTS.anchor(),
+            evidence::OVERSHOOTS.anchor(),
             "Overshoot of θ in the pitch runs without disturbances.",
             Measure {
                 quantity: format!("Overshoot, % of the step; outside above {overshot:.0} %"),
@@ -225,7 +225,7 @@ fn matrices(numbering: &mut Numbering, outcome: &Outcome, drawn: &Drawn) -> Mark
             },
         ),
         (
-            Evidence::BENDING.anchor(),
+            evidence::BENDING.anchor(),
             "Decay of the first bending coordinate in the disturbed pitch runs.",
             Measure {
                 quantity: format!(

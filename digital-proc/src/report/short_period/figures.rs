@@ -2,11 +2,11 @@
 
 use maud::Markup;
 
-use crate::report::plot::{Axis, Limit, LineChart, STYLES, Series, Size, line_chart};
-use crate::report::{Numbering, side_by_side};
 use crate::study::short_period::response::{
     Channel, PITCH_CHANNELS, PitchResponse, Response, YAW_ROLL_CHANNELS, YawRollResponse,
 };
+use desk::report::plot::{Axis, Limit, LineChart, STYLES, Series, Size, line_chart};
+use desk::report::{Numbering, side_by_side};
 
 /// A run with its name in the legend.
 pub type Named<'a, R> = (String, &'a R);

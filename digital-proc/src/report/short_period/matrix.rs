@@ -2,8 +2,8 @@
 
 use maud::Markup;
 
-use crate::report::plot::{HeatCell, HeatMap, heat_map};
 use crate::study::short_period::outcome::Outcome;
+use desk::report::plot::{HeatCell, HeatMap, heat_map};
 
 /// One measure over all conditions and points: `value` of (condition, point).
 pub struct Measure<'a> {

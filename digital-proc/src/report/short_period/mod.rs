@@ -10,10 +10,10 @@ pub use tables::{agreement_table, allocation, dashed, pitch_table, yaw_roll_tabl
 
 use maud::{Markup, html};
 
-use super::{Numbering, Section, anchor, page, provenance};
-use crate::run_dir::RunRecord;
 use crate::study::short_period::measure::{PITCH_BAND, ROLL_BAND_DEG, YAW_BAND_DEG};
 use crate::study::short_period::outcome::{Outcome, Run};
+use desk::report::{Numbering, Section, anchor, page, provenance};
+use desk::run_dir::RunRecord;
 
 /// Runs beyond this many are tabulated and traced, and only the worst are drawn.
 const MOST_DRAWN: usize = 48;

@@ -1,10 +1,10 @@
 //! Tables of the short-period runs: measures beside eigenvalues, and linear agreement.
 
-use crate::report::{Cell, Heading, Table};
 use crate::study::short_period::agreement::Compared;
 use crate::study::short_period::linear::ChannelGains;
 use crate::study::short_period::outcome::{Outcome, Run};
 use crate::study::short_period::plan::YawRollCase;
+use desk::report::{Cell, Heading, Table};
 
 /// Table of the pitch measures, for terminal, page and machines.
 pub fn pitch_table(outcome: &Outcome) -> Table {

@@ -5,7 +5,7 @@ use super::{
     LawSpec, named,
     text::Faults,
 };
-use crate::file_fault::suggestion;
+use desk::faults::suggestion;
 use serde::Deserialize;
 use std::ops::Range;
 use toml::Spanned;

@@ -38,7 +38,7 @@ pub use swing::Swing;
 pub use text::{load, parse};
 
 use super::loop_law::{Element, LoopLaw};
-use crate::file_fault::{FileFault, FileFaults, Source, suggestion};
+use desk::faults::{FileFault, FileFaults, Source, suggestion};
 use interface::{
     Tick,
     control::{Channel, ChannelKind},

@@ -5,7 +5,7 @@ use super::{
     law_text::{self, RawLaw},
     named,
 };
-use crate::file_fault::{self, FileFault, FileFaults, Source};
+use desk::faults::{self, FileFault, FileFaults, Source};
 use interface::Tick;
 use serde::Deserialize;
 use std::{collections::BTreeMap, ops::Range, path::Path};
@@ -75,7 +75,7 @@ impl Faults<'_> {
 /// # Errors
 /// Every fault that can be seen without the patch.
 pub fn load(path: &Path) -> Result<LoopStudy, FileFaults> {
-    file_fault::load(path, parse)
+    faults::load(path, parse)
 }
 
 /// Reads a text; `file` is only named in faults.

@@ -9,7 +9,6 @@
 use super::schedule;
 use crate::{
     console::Console,
-    file_fault::FileFaults,
     flight::Stage,
     flight_mode::FlightScript,
     study::long_period::{
@@ -18,6 +17,7 @@ use crate::{
     },
     vehicle::{ScheduleData, Vehicle},
 };
+use desk::faults::FileFaults;
 use serde::Serialize;
 
 /// Reserve kept below the load limit, fraction of it.

@@ -1,10 +1,10 @@
 //! A gain schedule being designed: its form in the vehicle file, and back.
 
 use crate::{
-    file_fault::FileFaults,
     gain_schedule::LoopGains,
     vehicle::{ScheduleData, Vehicle, VehicleData},
 };
+use desk::faults::FileFaults;
 use std::fmt::Write;
 
 /// Appends an interval, its gains rounded to the digits of the vehicle file so

@@ -3,7 +3,8 @@
 //! A flight that was lost fails every claim it belongs to.
 
 use super::results::{Flown, LongPeriodResults, ModeResult};
-use crate::study::claim::{Claim, Evidence, Verdict};
+use crate::study::evidence;
+use desk::claim::{Claim, Verdict};
 
 /// Judges L1, L2, L2b and L3.
 pub fn judge(results: &LongPeriodResults) -> Vec<Claim> {
@@ -58,7 +59,7 @@ fn l1(results: &LongPeriodResults) -> Claim {
     let holds = results.modes.iter().all(|m| severity(results, m) <= 1.0);
     Claim {
         id: "L1",
-        evidence: Evidence::MODES,
+        evidence: evidence::MODES,
         sentence: "the trajectory variables are not very sensitive to changes in the control system parameter values",
         criterion: format!(
             "all modes at burn-out within {} % of velocity, {}° of flight-path angle, {} % of altitude, {} km of range of the undisturbed flight",
@@ -95,7 +96,7 @@ fn l2(results: &LongPeriodResults) -> Claim {
     let in_part = reversed.len() != 1 && results.modes.iter().any(|m| m.reversed.is_some());
     Claim {
         id: "L2",
-        evidence: Evidence::Q_ALPHA,
+        evidence: evidence::Q_ALPHA,
         sentence: "the load profiles single out a failure mode which generates an acceptable trajectory but violates the design structural load limit",
         criterion: format!(
             "exactly one mode exceeds {:.0} kPa deg of Qα in the design wind with nominal misalignments",
@@ -138,7 +139,7 @@ fn l2b(results: &LongPeriodResults) -> Claim {
     let flown = results.modes.iter().any(|m| !m.envelope.is_empty());
     Claim {
         id: "L2b",
-        evidence: Evidence::LOADS,
+        evidence: evidence::LOADS,
         sentence: "the same over the envelope of misalignments",
         criterion: format!(
             "exactly one mode exceeds {:.0} kPa deg in the design wind at pitch misalignments of {} × 3σ",
@@ -189,7 +190,7 @@ fn l3(results: &LongPeriodResults) -> Claim {
         .collect();
     Claim {
         id: "L3",
-        evidence: Evidence::FIGURE_8,
+        evidence: evidence::FIGURE_8,
         sentence: "a schedule with reduced number of switchings retains the trajectory profile within acceptable limits",
         criterion: format!(
             "the reduced schedule stays below {:.0} kPa deg and within L1",

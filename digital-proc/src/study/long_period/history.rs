@@ -4,7 +4,7 @@
 //! traces show them. [`VARIABLES`] says what a trace and what a figure call each.
 
 use crate::flight_summary::FlightSample;
-use crate::study::claim::Evidence;
+use crate::study::evidence;
 use serde::Serialize;
 
 /// The paper's ten variables against time, one value a trajectory step.
@@ -87,7 +87,7 @@ pub const VARIABLES: [Variable; 11] = [
     variable(["dynamic_pressure_kpa", "kPa"], ["q", "Dynamic pressure", "kPa"], |h| &h.q_kpa),
     variable(
         ["q_alpha_kpa_deg", "kPa deg"],
-        [Evidence::Q_ALPHA.anchor(), "Load indicator Qα", "kPa·°"],
+        [evidence::Q_ALPHA.anchor(), "Load indicator Qα", "kPa·°"],
         |h| &h.q_alpha_kpadeg,
     ),
     variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |h| &h.pitch_deg),

@@ -1,7 +1,6 @@
 //! The dispersion file: what is dispersed, by how much, and at which points.
 
 use crate::{
-    file_fault::{self, FileFault, FileFaults, Source, suggestion},
     slice::SlicePoint,
     study::short_period::{
         places::{PointEntry, locate_all},
@@ -11,6 +10,7 @@ use crate::{
     },
     vehicle::Vehicle,
 };
+use desk::faults::{self, FileFault, FileFaults, Source, suggestion};
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
@@ -154,7 +154,7 @@ impl Dispersions {
     /// # Errors
     /// Every fault found.
     pub fn load(path: &Path) -> Result<Dispersions, FileFaults> {
-        file_fault::load(path, Dispersions::from_toml)
+        faults::load(path, Dispersions::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.

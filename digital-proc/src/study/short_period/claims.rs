@@ -12,7 +12,7 @@ mod yaw_roll;
 pub use pitch::{BENDING_MIDDLE, OSCILLATORY, OVERSHOOT_P1, RESIDUAL_P1};
 
 use super::outcome::{Outcome, Run};
-use crate::study::claim::{Claim, Verdict};
+use desk::claim::{Claim, Verdict};
 
 /// Name of the normal condition.
 pub const NORMAL: &str = "normal";

@@ -235,7 +235,8 @@ fn interval(schedule: &GainSchedule, time_s: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{file_fault::FileFaults, study::short_period::study_file::SHIPPED_TEXT};
+    use crate::study::short_period::study_file::SHIPPED_TEXT;
+    use desk::faults::FileFaults;
 
     fn plan(text: &str) -> Result<Plan, StudyError> {
         Plan::new(&Study::from_toml("user.toml", text)?, &Vehicle::shipped().unwrap())

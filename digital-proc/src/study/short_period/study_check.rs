@@ -6,7 +6,7 @@ use toml::Spanned;
 use super::places::{Event, Place, PointEntry};
 use super::quantity::{QUANTITIES, Quantity, Range};
 use super::study_file::{Change, Condition, GainSource, How, PitchTest, Study, YawRollTest};
-use crate::file_fault::{FileFault, FileFaults, Source, suggestion};
+use desk::faults::{FileFault, FileFaults, Source, suggestion};
 
 /// Longest run offered, s.
 const LONGEST_S: f64 = 600.0;

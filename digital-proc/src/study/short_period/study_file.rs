@@ -13,8 +13,8 @@ use toml::Spanned;
 use super::places::PointEntry;
 use super::quantity::Quantity;
 use super::study_check;
-use crate::file_fault::{self, FileFaults, Source};
 use crate::trajectory::FlightError;
+use desk::faults::{self, FileFaults, Source};
 
 /// Text of the shipped study.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");
@@ -167,7 +167,7 @@ impl Study {
 
     /// Reads a user's file.
     pub fn load(path: &Path) -> Result<Study, FileFaults> {
-        file_fault::load(path, Study::from_toml)
+        faults::load(path, Study::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
@@ -179,7 +179,7 @@ impl Study {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file_fault::FileFault;
+    use desk::faults::FileFault;
 
     fn faults(change: impl Fn(&str) -> String) -> Vec<FileFault> {
         let FileFaults(faults) = Study::from_toml("user.toml", &change(SHIPPED_TEXT)).unwrap_err();

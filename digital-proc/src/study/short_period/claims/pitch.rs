@@ -2,7 +2,8 @@
 
 use super::super::outcome::{Outcome, PitchRun};
 use super::{FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW, Worst, both};
-use crate::study::claim::{Claim, Evidence, Verdict};
+use crate::study::evidence;
+use desk::claim::{Claim, Verdict};
 
 /// Overshoot up to which a response is satisfactory, as a fraction of the step (P1).
 pub const OVERSHOOT_P1: f64 = 0.25;
@@ -33,7 +34,7 @@ pub(super) fn p1(outcome: &Outcome) -> Claim {
     let reduced = Worst::of(true, reduced, |r| r.measures.overshoot);
     Claim {
         id: "P1",
-        evidence: Evidence::OVERSHOOTS,
+        evidence: evidence::OVERSHOOTS,
         sentence: "For a step command in pitch, the normal mode response of θ is found to be \
                    quite satisfactory",
         criterion: format!(
@@ -62,7 +63,7 @@ pub(super) fn p2(outcome: &Outcome) -> Claim {
         .collect();
     Claim {
         id: "P2",
-        evidence: Evidence::FIGURE_4,
+        evidence: evidence::FIGURE_4,
         sentence: FAILURE_SENTENCE,
         criterion: format!(
             "FTC gain × 0.05: residual oscillation ≥ {:.0} % of the step from FTC switch-in to {P2_UNTIL_S} s",
@@ -89,7 +90,7 @@ pub(super) fn p3(outcome: &Outcome) -> Claim {
     let (needed, elsewhere) = (residual(false, true), residual(true, false));
     Claim {
         id: "P3",
-        evidence: Evidence::FIGURE_4,
+        evidence: evidence::FIGURE_4,
         sentence: FAILURE_SENTENCE,
         criterion: format!(
             "TVC pole 10 → 1 rad/s: residual oscillation ≥ {:.0} % of the step wherever the TVC is \
@@ -125,7 +126,7 @@ pub(super) fn p4(outcome: &Outcome) -> Claim {
         .collect();
     Claim {
         id: "P4",
-        evidence: Evidence::BENDING_GROWTH,
+        evidence: evidence::BENDING_GROWTH,
         sentence: FAILURE_SENTENCE,
         criterion: "TVC time constant 0.1 → 0.005 s: the bending envelope grows from window to \
                     window before the fin tips are switched in"
@@ -148,7 +149,7 @@ pub(super) fn p5(outcome: &Outcome) -> Claim {
     let (middle, late) = (bending(outcome, NORMAL, 1), bending(outcome, NORMAL, 2));
     Claim {
         id: "P5",
-        evidence: Evidence::BENDING,
+        evidence: evidence::BENDING,
         sentence: BENDING_SENTENCE,
         criterion: format!(
             "normal mode, every point: bending envelope ≤ {:.0} % of its first by 5–6.5 s and ≤ {:.0} % by 8–9.5 s",
@@ -165,7 +166,7 @@ pub(super) fn p6(outcome: &Outcome) -> Claim {
     let middle = bending(outcome, FTC_GAIN_LOST, 1);
     Claim {
         id: "P6",
-        evidence: Evidence::BENDING,
+        evidence: evidence::BENDING,
         sentence: BENDING_SENTENCE,
         criterion: format!(
             "FTC gain × 0.05, every point with fin tips: bending envelope ≤ {:.0} % of its first by 5–6.5 s",

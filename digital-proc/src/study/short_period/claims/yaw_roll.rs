@@ -3,7 +3,8 @@
 use super::super::measure::{ROLL_BAND_DEG, YAW_BAND_DEG};
 use super::super::outcome::{Outcome, YawRollRun};
 use super::{NORMAL, Worst};
-use crate::study::claim::{Claim, Evidence};
+use crate::study::evidence;
+use desk::claim::Claim;
 
 const GIVEN_TO_ROLL_S: f64 = 0.15;
 const CALLED_WITHIN_S: f64 = 0.6;
@@ -15,7 +16,7 @@ pub(super) fn y1(outcome: &Outcome) -> Claim {
     });
     Claim {
         id: "Y1",
-        evidence: Evidence::FIGURE_5,
+        evidence: evidence::FIGURE_5,
         sentence: "the fin tips get first allocated to the roll channel and saturate",
         criterion: format!(
             "both tips ≥ 95 % of their limit in opposite senses for at least {GIVEN_TO_ROLL_S} s while yaw's share is under 10 %"
@@ -31,7 +32,7 @@ pub(super) fn y2(outcome: &Outcome) -> Claim {
         Worst::of(true, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.tvc_called_s);
     Claim {
         id: "Y2",
-        evidence: Evidence::FIGURE_5,
+        evidence: evidence::FIGURE_5,
         sentence: "… calling in the TVC for the yaw axis",
         criterion: format!(
             "thrust-vector yaw force above 20 % of its maximum within {CALLED_WITHIN_S} s"
@@ -47,7 +48,7 @@ pub(super) fn y3(outcome: &Outcome) -> Claim {
         Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.yaw_share_after);
     Claim {
         id: "Y3",
-        evidence: Evidence::FIGURE_5,
+        evidence: evidence::FIGURE_5,
         sentence: "Fin tips become effective in yaw after the roll error is reduced",
         criterion: format!(
             "after roll has fallen to a quarter, tips above {:.0} % of their limit in yaw",
@@ -76,7 +77,7 @@ pub(super) fn y4(outcome: &Outcome) -> Claim {
         Worst::of(true, outcome.yaw_roll_under(NORMAL, true), |r| r.measures.roll_settling_s);
     Claim {
         id: "Y4",
-        evidence: Evidence::FIGURE_5,
+        evidence: evidence::FIGURE_5,
         sentence: "using the fin tips exclusively for the roll channel and the TVC correspondingly \
                    for the yaw stabilisation … may eliminate yaw-roll interaction and achieve \
                    better response times",

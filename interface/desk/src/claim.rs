@@ -19,17 +19,13 @@ pub enum Verdict {
 pub struct Evidence(&'static str);
 
 impl Evidence {
-    pub(crate) const FIGURE_4: Evidence = Evidence("figure-4");
-    pub(crate) const FIGURE_5: Evidence = Evidence("figure-5");
-    pub(crate) const FIGURE_8: Evidence = Evidence("figure-8");
-    pub(crate) const BENDING_GROWTH: Evidence = Evidence("bending-growth");
-    pub(crate) const OVERSHOOTS: Evidence = Evidence("matrix-overshoot");
-    pub(crate) const BENDING: Evidence = Evidence("matrix-bending");
-    pub(crate) const MODES: Evidence = Evidence("modes");
-    pub(crate) const LOADS: Evidence = Evidence("loads");
-    pub(crate) const Q_ALPHA: Evidence = Evidence("q-alpha");
+    /// Shown under `anchor`.
+    pub const fn at(anchor: &'static str) -> Evidence {
+        Evidence(anchor)
+    }
 
-    pub(crate) const fn anchor(self) -> &'static str {
+    /// The anchor.
+    pub const fn anchor(self) -> &'static str {
         self.0
     }
 }

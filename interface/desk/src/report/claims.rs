@@ -1,7 +1,7 @@
 //! The claims table: a sentence, its criterion, what was measured, and whether it holds.
 
 use super::Numbering;
-use crate::study::claim::{Claim, Verdict};
+use crate::claim::{Claim, Verdict};
 use maud::{Markup, html};
 
 impl Verdict {
@@ -96,12 +96,12 @@ fn class(verdict: Verdict) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::claim::Evidence;
+    use crate::claim::Evidence;
 
     fn claim(verdict: Verdict) -> Claim {
         Claim {
             id: "P1",
-            evidence: Evidence::FIGURE_4,
+            evidence: Evidence::at("figure-4"),
             sentence: "quite <satisfactory>",
             criterion: "≤ 25 %".to_owned(),
             measured: "31 %".to_owned(),
@@ -138,7 +138,7 @@ mod tests {
             table.matches("href=\"#figure-4\"").count()
         };
         assert_eq!(links(&numbering), 0);
-        let _ = numbering.figure(Evidence::FIGURE_4.anchor(), "", html! {});
+        let _ = numbering.figure(Evidence::at("figure-4").anchor(), "", html! {});
         assert_eq!(links(&numbering), 1);
     }
 }

@@ -1,0 +1,13 @@
+//! The user's side of both processors: files read, faults told, runs kept, reports drawn.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
+
+pub mod bundle;
+pub mod claim;
+pub mod command_line;
+pub mod faults;
+#[cfg(feature = "runs")]
+pub mod progress;
+#[cfg(feature = "runs")]
+pub mod report;
+#[cfg(feature = "runs")]
+pub mod run_dir;
