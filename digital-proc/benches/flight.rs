@@ -4,14 +4,14 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use digital_proc::{
-    reference::{self, FlightCase},
-    vehicle::Vehicle,
-};
 use std::{
     path::Path,
     process::{Command, Stdio},
     time::Duration,
+};
+use vehicle::{
+    Vehicle,
+    reference::{self, FlightCase},
 };
 
 /// One flight as a user runs it; its run directory is removed again.

@@ -5,28 +5,13 @@
 //! Numeric modules do no I/O; [`cli`] is the only one that talks to the user.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
-pub mod airframe;
-pub mod atmosphere;
 pub mod cli;
 pub mod console;
 pub mod executive;
 pub mod flight;
-pub mod flight_mode;
-pub mod flight_summary;
-pub mod gain_schedule;
 pub mod launch;
 mod matrix_exp;
-pub mod pitch_programme;
-pub mod reference;
 pub mod report;
-pub mod rk4;
 pub mod sampling;
 pub mod saturation;
-pub mod slice;
 pub mod study;
-pub mod table;
-pub mod table_edges;
-pub mod trajectory;
-pub mod vehicle;
-pub mod wind;
-pub mod wind_ensemble;

@@ -2,7 +2,6 @@
 
 pub mod case_study;
 pub(crate) mod evidence;
-pub mod failure_file;
 pub mod gain_design;
 pub mod long_period;
 pub mod sensitivity;

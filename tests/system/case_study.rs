@@ -20,10 +20,10 @@ use digital_proc::{
         response::Response,
         study_file::{SHIPPED_TEXT, Study},
     },
-    vehicle::Vehicle,
 };
 use interface::profile::Profile;
 use std::path::Path;
+use vehicle::Vehicle;
 
 /// Runs a plan on both sides of a memory link.
 fn answers(plan: &Plan, patches: &Patches) -> Answers {
@@ -47,8 +47,8 @@ fn judged(plan: &Plan, patches: &Patches) -> Vec<Claim> {
     claims::judge(&Outcome::new(plan.clone(), answers(plan, patches)))
 }
 
-fn failing(claims: &[Claim]) -> Vec<&'static str> {
-    claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id).collect()
+fn failing(claims: &[Claim]) -> Vec<String> {
+    claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id.to_string()).collect()
 }
 
 #[test]

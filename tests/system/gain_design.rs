@@ -4,7 +4,6 @@ use analog_proc::serve::serve;
 use digital_proc::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
-    slice,
     study::{
         gain_design::{
             bench::PitchBench,
@@ -20,9 +19,9 @@ use digital_proc::{
             run::{Measure, loops, run},
         },
     },
-    vehicle::Vehicle,
 };
 use interface::profile::Profile;
+use vehicle::{Vehicle, slice};
 
 fn with_console<T>(work: impl FnOnce(&mut Console<'_>, &Profile) -> T) -> T {
     let mut started =

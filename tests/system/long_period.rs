@@ -5,19 +5,15 @@ use analog_proc::serve::serve;
 use desk::claim::Verdict;
 use digital_proc::{
     console::Console,
-    flight_mode::FlightScript,
     launch::{AnalogEntry, LinkChoice, Started},
-    study::{
-        failure_file::FailureFile,
-        long_period::{
-            claims,
-            results::LongPeriodResults,
-            run::{LongPeriodPlan, run},
-        },
+    study::long_period::{
+        claims,
+        results::LongPeriodResults,
+        run::{LongPeriodPlan, run},
     },
-    vehicle::{Vehicle, VehicleData},
 };
 use interface::profile::Profile;
+use vehicle::{Vehicle, VehicleData, failure_file::FailureFile, flight_mode::FlightScript};
 
 fn modes(names: &[&str]) -> Vec<FlightScript> {
     let file = FailureFile::shipped();

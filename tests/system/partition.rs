@@ -5,12 +5,14 @@ use digital_proc::{
     console::Console,
     executive::Rate,
     flight::{self, AlphaPath, FlightPlan},
-    flight_summary::FlightSample,
     launch::{AnalogEntry, LinkChoice, Started},
-    reference::{self, FlightCase, StagePitch},
-    vehicle::Vehicle,
 };
 use interface::{Tick, profile::Profile};
+use vehicle::{
+    Vehicle,
+    flight_summary::FlightSample,
+    reference::{self, FlightCase, StagePitch},
+};
 
 /// Instants at which flights are compared: every 0.4 s, common to all frames used here.
 const EVERY: Tick = Tick(400_000_000);

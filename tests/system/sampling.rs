@@ -361,12 +361,8 @@ fn experiments_run_from_the_command_line() {
 /// What may be digital: α can be sampled, the control of the pitch loop cannot at 150 ms.
 #[test]
 fn digital_control_loses_the_flight_that_analog_control_holds() {
-    use digital_proc::{
-        flight_mode::FlightMode,
-        reference::FlightCase,
-        sampling::flight::{Partition, row},
-        vehicle::Vehicle,
-    };
+    use digital_proc::sampling::flight::{Partition, row};
+    use vehicle::{Vehicle, flight_mode::FlightMode, reference::FlightCase};
     let vehicle = Vehicle::shipped().unwrap();
     let case = FlightCase::design(&vehicle, FlightMode::Normal.script()).unwrap();
     let stop = Tick(40_000_000_000);

@@ -1,7 +1,7 @@
 //! `digital-proc case-study`: section 4 of the paper, claim by claim.
 
 use super::{
-    Context, Failure, MachineArgs,
+    Context, MachineArgs,
     short_period::write_traces,
     study_input::{Curves, StudyArgs, record},
 };
@@ -10,12 +10,12 @@ use crate::{
     report::{case_study::case_study_report, long_period::fuel_words},
     study::{
         case_study::{self, CaseFault, CasePlan, CaseResults},
-        failure_file::FailureFile,
         long_period::{history::VARIABLES, run::LongPeriodPlan},
         sensitivity::dispersion_file::Dispersions,
         short_period::{machine::Patches, plan::Plan},
     },
 };
+use desk::failure::Failure;
 use desk::say;
 use desk::{
     progress::Progress,
@@ -27,6 +27,7 @@ use std::{
     path::PathBuf,
     time::{Instant, SystemTime},
 };
+use vehicle::failure_file::FailureFile;
 
 /// Trace of every short-period run.
 const SHORT_PERIOD_FILE: &str = "short-period.arrow";
@@ -138,7 +139,7 @@ impl From<CaseFault> for Failure {
 fn print_claims(results: &CaseResults) {
     let claims = results.claims();
     say!("{}", claims_text(&claims).trim_end());
-    let noted: Vec<_> = claims.iter().filter_map(|c| Some((c.id, c.remark.as_ref()?))).collect();
+    let noted: Vec<_> = claims.iter().filter_map(|c| Some((&*c.id, c.remark.as_ref()?))).collect();
     if !noted.is_empty() {
         say!("\nNoted beside:");
         for (id, remark) in noted {
@@ -162,8 +163,8 @@ fn verdict(results: &CaseResults) -> Result<(), Failure> {
     if results.holds() {
         return Ok(());
     }
-    let mut failed: Vec<&str> =
-        results.claims().iter().filter(|c| !c.holds()).map(|c| c.id).collect();
+    let claims = results.claims();
+    let mut failed: Vec<&str> = claims.iter().filter(|c| !c.holds()).map(|c| &*c.id).collect();
     if results.short.disagreements().next().is_some() {
         failed.push("agreement with the linearised loop");
     }

@@ -1,7 +1,7 @@
 //! `digital-proc design-gains`: the gain schedules, designed on the machine.
 
 use super::{
-    Context, Failure, MachineArgs,
+    Context, MachineArgs,
     study_run::{StudyArgs, StudyRun},
 };
 use crate::{
@@ -23,6 +23,7 @@ use crate::{
         long_period::run::LongPeriodPlan,
     },
 };
+use desk::failure::Failure;
 use desk::{note, say};
 use interface::profile::Profile;
 use serde::Serialize;
@@ -138,7 +139,7 @@ impl DesignGains {
     fn tell(
         &self,
         run: &StudyRun,
-        vehicle: &crate::vehicle::Vehicle,
+        vehicle: &vehicle::Vehicle,
         all: &Designed,
     ) -> Result<(), Failure> {
         let levels = all.levels();

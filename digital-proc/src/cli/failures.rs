@@ -1,13 +1,13 @@
 //! `digital-proc failures`: the modes of a failure file, or its text to start from.
 
-use super::Failure;
-use crate::{
-    flight_mode::{Action, Effect, Schedule},
-    study::failure_file::{FailureFile, SHIPPED_TEXT},
-};
+use desk::failure::Failure;
 use desk::report::{Heading, Table};
 use desk::say;
 use std::path::PathBuf;
+use vehicle::{
+    failure_file::{FailureFile, SHIPPED_TEXT},
+    flight_mode::{Action, Effect, Schedule},
+};
 
 /// List the modes of a failure file and what happens in each; a faulty file is
 /// reported with its lines.

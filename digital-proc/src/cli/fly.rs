@@ -1,6 +1,6 @@
 //! `digital-proc fly`: one long-period flight.
 
-use super::{Context, Failure, MachineArgs, vehicle_args::VehicleArgs};
+use super::{Context, MachineArgs, vehicle_args::VehicleArgs};
 use crate::{
     console::Console,
     flight::{
@@ -10,17 +10,14 @@ use crate::{
         plan_record::{Pace, PlanFault, PlanRecord, WindName},
         trace,
     },
-    flight_mode::FlightMode,
-    flight_summary::FlightSummary,
     report::{
         flight::{FlightContext, flight_report},
         pacing::{pacing_section, pacing_text},
     },
     saturation::Saturations,
-    study::failure_file::FailureFile,
-    vehicle::Vehicle,
 };
 use clap::ValueEnum;
+use desk::failure::Failure;
 use desk::{note, say};
 use desk::{
     progress::Progress,
@@ -31,6 +28,9 @@ use desk::{
 };
 use interface::{Tick, frame::Samples, profile::Profile};
 use std::{path::PathBuf, time::SystemTime};
+use vehicle::{
+    Vehicle, failure_file::FailureFile, flight_mode::FlightMode, flight_summary::FlightSummary,
+};
 
 /// Rows in one batch of the trace: what a crash may cost.
 pub const BATCH_ROWS: usize = 64;

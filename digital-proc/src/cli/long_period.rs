@@ -1,21 +1,19 @@
 //! `digital-proc long-period`: every mode flown, the claims judged.
 
 use super::{
-    Context, Failure, MachineArgs,
+    Context, MachineArgs,
     study_run::{StudyArgs, StudyRun},
 };
 use crate::{
     console::Console,
     report::long_period::{fuel_table, fuel_words, load_table, long_period_sections, mode_table},
-    study::{
-        failure_file::FailureFile,
-        long_period::{
-            claims::judge,
-            results::LongPeriodResults,
-            run::{LongPeriodPlan, run},
-        },
+    study::long_period::{
+        claims::judge,
+        results::LongPeriodResults,
+        run::{LongPeriodPlan, run},
     },
 };
+use desk::failure::Failure;
 use desk::say;
 use desk::{
     claim::{Claim, Verdict},
@@ -25,6 +23,7 @@ use desk::{
 use interface::profile::Profile;
 use serde::Serialize;
 use std::path::PathBuf;
+use vehicle::failure_file::FailureFile;
 
 /// Fly every mode of the failure file to burn-out, flight after flight in one
 /// session, and judge the paper's claims about trajectory and loads.
@@ -97,7 +96,7 @@ impl LongPeriod {
             say!("report: {}", page.display());
         }
         let failed: Vec<&str> =
-            claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id).collect();
+            claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| &*c.id).collect();
         if failed.is_empty() { Ok(()) } else { Err(Failure::failed("does not hold", &failed)) }
     }
 }

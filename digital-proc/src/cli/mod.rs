@@ -18,11 +18,9 @@ mod study_input;
 mod study_run;
 mod vehicle_args;
 
-pub use failure::Failure;
-
 use crate::launch::{AnalogEntry, LinkChoice, Started};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use desk::command_line;
+use desk::{command_line, failure::Failure};
 use std::{
     process::ExitCode,
     sync::{Arc, atomic::AtomicBool},

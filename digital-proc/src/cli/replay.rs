@@ -1,6 +1,6 @@
 //! `digital-proc replay`: a recorded flight once more, compared bit by bit.
 
-use super::{Context, Failure, JoinArgs, fly::BATCH_ROWS, runs::open_run};
+use super::{Context, JoinArgs, fly::BATCH_ROWS, runs::open_run};
 use crate::{
     console::{Console, ConsoleFault},
     flight::{
@@ -9,6 +9,7 @@ use crate::{
         trace,
     },
 };
+use desk::failure::Failure;
 use desk::say;
 use desk::{
     faults::Source,

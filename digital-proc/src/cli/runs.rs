@@ -1,6 +1,6 @@
 //! `digital-proc list | export | plot`: what runs have left behind.
 
-use super::Failure;
+use desk::failure::Failure;
 use desk::note;
 use desk::{
     report::trace_report,

@@ -1,7 +1,7 @@
 //! `digital-proc sensitivity`: dispersions of the pitch loop, ranked.
 
 use super::{
-    Context, Failure, MachineArgs,
+    Context, MachineArgs,
     study_run::{StudyArgs, StudyRun},
 };
 use crate::{
@@ -15,6 +15,7 @@ use crate::{
         },
     },
 };
+use desk::failure::Failure;
 use desk::progress::Progress;
 use desk::say;
 use interface::profile::Profile;

@@ -1,7 +1,7 @@
 //! `digital-proc short-period`: the control loops at frozen trajectory points.
 
 use super::{
-    Context, Failure, MachineArgs,
+    Context, MachineArgs,
     study_input::{Curves, StudyArgs, record, select},
 };
 use crate::{
@@ -17,6 +17,7 @@ use crate::{
         response::{PITCH_CHANNELS, YAW_ROLL_CHANNELS},
     },
 };
+use desk::failure::Failure;
 use desk::say;
 use desk::{
     progress::Progress,

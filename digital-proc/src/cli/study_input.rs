@@ -1,19 +1,18 @@
 //! What the study commands read before they run: vehicle, study, selection, record.
 
 use super::{
-    Failure, MachineArgs,
+    MachineArgs,
     vehicle_args::{self, VehicleArgs},
 };
-use crate::{
-    study::short_period::{plan::Plan, study_file::Study},
-    vehicle::Vehicle,
-};
+use crate::study::short_period::{plan::Plan, study_file::Study};
+use desk::failure::Failure;
 use desk::{
     faults::suggestion,
     run_dir::{Column, RunDirectory, RunRecord, TraceError, TraceWriter, UtcSecond},
 };
 use interface::{Tick, profile::Profile};
 use std::{fs::File, path::PathBuf};
+use vehicle::Vehicle;
 
 /// Rows in one batch of a trace.
 const BATCH_ROWS: usize = 256;

@@ -1,10 +1,10 @@
 //! What the study commands share: vehicle, run directory, record.
 
 use super::{
-    Failure, MachineArgs,
+    MachineArgs,
     vehicle_args::{self, VehicleArgs},
 };
-use crate::vehicle::Vehicle;
+use desk::failure::Failure;
 use desk::{
     report::{Section, page, provenance},
     run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, UtcSecond},
@@ -12,6 +12,7 @@ use desk::{
 use interface::profile::Profile;
 use serde::Serialize;
 use std::{path::PathBuf, time::SystemTime};
+use vehicle::Vehicle;
 
 /// Vehicle and run directory of a study.
 #[derive(clap::Args)]

@@ -1,8 +1,8 @@
 //! The vehicle that a command studies.
 
-use super::Failure;
-use crate::vehicle::Vehicle;
+use desk::failure::Failure;
 use std::path::PathBuf;
+use vehicle::Vehicle;
 
 /// The data set.
 #[derive(clap::Args)]

@@ -16,19 +16,19 @@ use super::{
     AlphaPath, FlightFault,
     channels::{AttitudeSample, StageChannels},
 };
-use crate::{
+use crate::executive::Rate;
+use interface::{
+    Tick,
+    frame::{RunState, Samples, Updates},
+};
+use vehicle::{
+    Vehicle,
     airframe::AirframeCoefficients,
-    executive::Rate,
     flight_mode::{ControlSettings, control_settings},
     flight_summary::FlightSample,
     reference::FlightCase,
     table_edges::{EdgeRecord, TableName},
     trajectory::{self, Flow, SampledAttitude, TrajectoryState},
-    vehicle::Vehicle,
-};
-use interface::{
-    Tick,
-    frame::{RunState, Samples, Updates},
 };
 
 /// Part of the α error that is taken out in one trajectory step. Half: a prompt

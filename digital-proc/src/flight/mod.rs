@@ -17,10 +17,6 @@ pub use timing::{OutOfOrder, Timing, TransferLog};
 use crate::{
     console::{Console, ConsoleFault},
     executive::Rate,
-    flight_summary::{FlightMonitor, FlightSummary},
-    reference::FlightCase,
-    trajectory::FlightError,
-    vehicle::Vehicle,
 };
 use channels::StageChannels;
 use desk::run_dir::TraceError;
@@ -33,6 +29,12 @@ use interface::{
 };
 use law::FlightLaw;
 use std::cell::Cell;
+use vehicle::{
+    Vehicle,
+    flight_summary::{FlightMonitor, FlightSummary},
+    reference::FlightCase,
+    trajectory::FlightError,
+};
 
 /// How the angle of attack reaches the rotational equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -6,15 +6,7 @@
 //! Times are written with their units; a damaged record is refused with its line.
 
 use super::{AlphaPath, FlightPlan};
-use crate::{
-    executive::Rate,
-    flight_mode::FlightScript,
-    reference::FlightCase,
-    table::TableError,
-    vehicle::{Vehicle, VehicleData},
-    wind::{Wind, WindDirection},
-    wind_ensemble,
-};
+use crate::executive::Rate;
 use clap::ValueEnum;
 use desk::{
     faults::{FileFaults, Source},
@@ -23,6 +15,14 @@ use desk::{
 use interface::{Tick, profile::Profile};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use vehicle::{
+    Vehicle, VehicleData,
+    flight_mode::FlightScript,
+    reference::FlightCase,
+    table::TableError,
+    wind::{Wind, WindDirection},
+    wind_ensemble,
+};
 
 /// Who paces a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -218,7 +218,7 @@ mod tick_text {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flight_mode::FlightMode;
+    use vehicle::flight_mode::FlightMode;
 
     fn record(mode: FlightMode, profile: &str) -> PlanRecord {
         let vehicle = Vehicle::shipped().unwrap();

@@ -1,13 +1,10 @@
 //! Gain schedules as figures (7 and 8 of the paper) and the tables of their design.
 
-use crate::{
-    study::gain_design::{
-        criteria::{Criteria, LoopQuality},
-        design::Design,
-        evaluate::PointQuality,
-        merge::Trial,
-    },
-    vehicle::ScheduleData,
+use crate::study::gain_design::{
+    criteria::{Criteria, LoopQuality},
+    design::Design,
+    evaluate::PointQuality,
+    merge::Trial,
 };
 use desk::report::{
     Cell, Heading, Numbering, Section, Table,
@@ -15,6 +12,7 @@ use desk::report::{
     side_by_side,
 };
 use maud::{Markup, html};
+use vehicle::ScheduleData;
 
 /// The gains of schedules against flight time, each held from switch to switch.
 pub fn schedule_charts(schedules: &[(&str, &ScheduleData)], end_s: f64) -> Vec<Markup> {

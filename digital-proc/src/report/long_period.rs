@@ -2,12 +2,9 @@
 
 use super::gain_design::schedule_charts;
 use crate::study::evidence;
-use crate::{
-    study::long_period::{
-        history::{VARIABLES, Variable},
-        results::{FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult},
-    },
-    vehicle::ScheduleData,
+use crate::study::long_period::{
+    history::{VARIABLES, Variable},
+    results::{FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult},
 };
 use desk::claim::Claim;
 use desk::report::{
@@ -16,6 +13,7 @@ use desk::report::{
     side_by_side,
 };
 use maud::{Markup, html};
+use vehicle::ScheduleData;
 
 /// Curves that one chart can carry before they hide each other.
 const MOST_CURVES: usize = 6;

@@ -21,8 +21,6 @@ use crate::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, channels::StageChannels,
         stage_patch,
     },
-    reference::FlightCase,
-    vehicle::Vehicle,
 };
 use interface::{
     Tick,
@@ -32,6 +30,7 @@ use interface::{
 };
 use nalgebra::ComplexField;
 use serde::Serialize;
+use vehicle::{Vehicle, reference::FlightCase};
 
 /// A flight further than this from its command is lost, rad (20 degrees).
 pub const LOST_RAD: f64 = 0.349_065_850_398_865_9;

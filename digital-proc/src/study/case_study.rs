@@ -22,9 +22,9 @@ use super::short_period::{
     plan::Plan,
 };
 use crate::console::{Console, ConsoleFault};
-use crate::vehicle::Vehicle;
 use desk::claim::Claim;
 use serde_json::{Value, json};
+use vehicle::Vehicle;
 
 /// What is run.
 #[derive(Clone, Debug, PartialEq)]

@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_patch_brings_the_files_that_it_uses() {
-        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patch-files");
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../patch-files");
         let names = |root: &str| -> Vec<String> {
             let bundle = bundle_from_path(&shipped.join(root)).unwrap();
             bundle.files.into_iter().map(|(n, _)| n).collect()

@@ -1,6 +1,8 @@
 //! A sentence of the paper with its criterion, what was measured, the verdict, and where a
 //! report shows it.
 
+use std::borrow::Cow;
+
 /// Whether a claim came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -34,9 +36,9 @@ impl Evidence {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Claim {
     /// Short name, such as `P1`.
-    pub id: &'static str,
+    pub id: Cow<'static, str>,
     /// What the paper says.
-    pub sentence: &'static str,
+    pub sentence: Cow<'static, str>,
     /// What was asked of the runs.
     pub criterion: String,
     /// What was found: the worst value and where.
@@ -51,6 +53,19 @@ pub struct Claim {
 }
 
 impl Claim {
+    /// A statement about a run itself, true or false, under a name that links can point to.
+    pub fn check(id: &'static str, statement: impl Into<String>, holds: bool) -> Claim {
+        Claim {
+            id: id.into(),
+            sentence: statement.into().into(),
+            criterion: String::new(),
+            measured: String::new(),
+            verdict: if holds { Verdict::Holds } else { Verdict::Fails },
+            remark: None,
+            evidence: Evidence::at(id),
+        }
+    }
+
     /// Whether it holds.
     pub fn holds(&self) -> bool {
         self.verdict == Verdict::Holds

@@ -4,7 +4,10 @@
 pub mod bundle;
 pub mod claim;
 pub mod command_line;
+pub mod failure;
 pub mod faults;
+#[cfg(feature = "runs")]
+pub mod outcome;
 #[cfg(feature = "runs")]
 pub mod progress;
 #[cfg(feature = "runs")]

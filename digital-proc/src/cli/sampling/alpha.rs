@@ -5,17 +5,15 @@ use super::{
     curve::{self, ROOT_LIMIT},
     outcome::Outcome,
 };
-use crate::{
-    cli::Failure,
-    sampling::{
-        alpha::AlphaSetting,
-        bench::Bench,
-        theory::{
-            alpha::{Correction, Delivery, Scheme, drift_error},
-            damping_ratio,
-        },
+use crate::sampling::{
+    alpha::AlphaSetting,
+    bench::Bench,
+    theory::{
+        alpha::{Correction, Delivery, Scheme, drift_error},
+        damping_ratio,
     },
 };
+use desk::failure::Failure;
 use desk::report::{
     Cell, Heading, Table,
     plot::{Axis, Compared, HeatCell, HeatMap, LineChart, Series, measured_vs_theory},

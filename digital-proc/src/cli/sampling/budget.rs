@@ -1,14 +1,12 @@
 //! Error budget of one channel of the linkage.
 
 use super::{Measure, hold, outcome::Outcome};
-use crate::{
-    cli::Failure,
-    sampling::{
-        bench::Bench,
-        loop_back::{Response, Route, Stages, window},
-        theory::hold::Hold,
-    },
+use crate::sampling::{
+    bench::Bench,
+    loop_back::{Response, Route, Stages, window},
+    theory::hold::Hold,
 };
+use desk::failure::Failure;
 use desk::{
     bundle::bundle_from_path,
     report::{

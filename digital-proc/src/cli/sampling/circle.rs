@@ -1,14 +1,12 @@
 //! The circle test: two integrators closed through the digital side.
 
 use super::{Measure, curve, hold, outcome::Outcome};
-use crate::{
-    cli::Failure,
-    sampling::{
-        bench::Bench,
-        feedback::CircleSetting,
-        theory::{feedback_loop::FeedbackLoop, growth_per_cycle, hold::Hold},
-    },
+use crate::sampling::{
+    bench::Bench,
+    feedback::CircleSetting,
+    theory::{feedback_loop::FeedbackLoop, growth_per_cycle, hold::Hold},
 };
+use desk::failure::Failure;
 use desk::{
     progress::Progress,
     report::{

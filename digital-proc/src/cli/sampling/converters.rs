@@ -1,13 +1,11 @@
 //! Quantisation noise, multiplexer skew, staircase coefficients.
 
 use super::{Measure, outcome::Outcome};
-use crate::{
-    cli::Failure,
-    sampling::{
-        bench::Bench,
-        converter_error::{CoefficientSetting, QuantisationSetting, SkewSetting},
-    },
+use crate::sampling::{
+    bench::Bench,
+    converter_error::{CoefficientSetting, QuantisationSetting, SkewSetting},
 };
+use desk::failure::Failure;
 use desk::{
     report::{
         Heading, Table,

@@ -3,8 +3,6 @@
 use super::{Measure, outcome::Outcome};
 use crate::{
     cli::{Failure, vehicle_args::VehicleArgs},
-    flight_mode::FlightMode,
-    reference::FlightCase,
     sampling::{
         bench::Bench,
         flight::{FlightRow, Partition, row},
@@ -18,6 +16,7 @@ use desk::{
     },
 };
 use interface::Tick;
+use vehicle::{flight_mode::FlightMode, reference::FlightCase};
 
 /// Settings of [`super::Experiment::Flight`], whose text is the help.
 #[derive(clap::Args)]

@@ -1,14 +1,12 @@
 //! Function generation and systems of axes.
 
 use super::{Measure, outcome::Outcome};
-use crate::{
-    cli::Failure,
-    sampling::{
-        axes::{Axes, AxesRow, AxesSetting},
-        bench::Bench,
-        function_generation::{FunctionRow, FunctionSetting, Way},
-    },
+use crate::sampling::{
+    axes::{Axes, AxesRow, AxesSetting},
+    bench::Bench,
+    function_generation::{FunctionRow, FunctionSetting, Way},
 };
+use desk::failure::Failure;
 use desk::report::{
     Heading, Table,
     plot::{Axis, Compared, LineChart, Series, measured_vs_theory},

@@ -12,7 +12,7 @@ mod root;
 mod study;
 
 use self::outcome::Outcome;
-use super::{Context, Failure, MachineArgs};
+use super::{Context, MachineArgs};
 use crate::{
     console::Console,
     sampling::{
@@ -22,6 +22,7 @@ use crate::{
     },
 };
 use clap::{Args, Subcommand};
+use desk::failure::Failure;
 use desk::run_dir::{DEFAULT_BASE, UtcSecond};
 use interface::profile::Profile;
 use std::{path::PathBuf, time::SystemTime};

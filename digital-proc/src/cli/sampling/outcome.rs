@@ -1,7 +1,8 @@
 //! What an experiment came to, and how it leaves the program: terminal, CSV, report, JSON.
 
-use super::super::{Failure, MachineArgs};
-use desk::{command_line::CHECK_FAILED, say};
+use super::super::MachineArgs;
+use desk::failure::Failure;
+use desk::say;
 use desk::{
     report::{
         Cell, Numbering, Section, Table, page,
@@ -163,10 +164,7 @@ impl Outcome {
         if failed.is_empty() {
             return Ok(());
         }
-        Err(Failure {
-            code: CHECK_FAILED,
-            text: format!("does not hold: {}", failed.join("\ndoes not hold: ")),
-        })
+        Err(Failure::failed("does not hold", &failed))
     }
 
     /// Checks are against theory of ideal converters: on another machine what fails is not judged.

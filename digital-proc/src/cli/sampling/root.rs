@@ -5,14 +5,12 @@ use super::{
     curve::{self, ROOT_LIMIT},
     outcome::Outcome,
 };
-use crate::{
-    cli::Failure,
-    sampling::{
-        bench::Bench,
-        feedback::{Compensation, RootSetting},
-        theory::damping_ratio,
-    },
+use crate::sampling::{
+    bench::Bench,
+    feedback::{Compensation, RootSetting},
+    theory::damping_ratio,
 };
+use desk::failure::Failure;
 use desk::{
     progress::Progress,
     report::{

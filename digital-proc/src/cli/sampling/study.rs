@@ -2,13 +2,13 @@
 
 use super::{Measure, outcome::Outcome};
 use crate::{
-    cli::Failure,
     console::ConsoleFault,
     sampling::{
         bench::{Bench, BenchFault},
         loop_study::{self, LoopRow, Remark},
     },
 };
+use desk::failure::Failure;
 use desk::{
     bundle::bundle_from_path,
     progress::Progress,

@@ -16,17 +16,19 @@ use super::{
 };
 use crate::{
     console::{Console, ConsoleFault},
-    gain_schedule::LoopGains,
-    slice::{self, SlicePoint},
     study::short_period::{
         coefficients::{Disturbance, Plane},
         linear::{ChannelGains, plane_roots},
         point::FrozenPoint,
         study_file::StudyError,
     },
-    vehicle::{ScheduleData, Vehicle},
 };
 use serde::Serialize;
+use vehicle::{
+    ScheduleData, Vehicle,
+    gain_schedule::LoopGains,
+    slice::{self, SlicePoint},
+};
 
 /// Last and first instants at which the loop is judged, s before burn-out and
 /// after lift-off: outside, thrust or dynamic pressure tells nothing of a loop.

@@ -8,17 +8,15 @@ use super::{
 };
 use crate::{
     console::Console,
-    gain_schedule::LoopGains,
-    slice::SlicePoint,
     study::short_period::{
         claims::{OVERSHOOT_P1, RESIDUAL_P1},
         places::{Lacking, locate},
         point::FrozenPoint,
         study_file::{Study, StudyError},
     },
-    vehicle::{ScheduleData, Vehicle},
 };
 use serde::Serialize;
+use vehicle::{ScheduleData, Vehicle, gain_schedule::LoopGains, slice::SlicePoint};
 
 /// Overshoot accepted of a schedule, fraction of the step (criterion P1).
 pub const OVERSHOOT: f64 = OVERSHOOT_P1;

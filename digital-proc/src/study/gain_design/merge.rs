@@ -10,15 +10,14 @@ use super::schedule;
 use crate::{
     console::Console,
     flight::Stage,
-    flight_mode::FlightScript,
     study::long_period::{
         results::{Acceptance, Departure, FlightFigures, FlightWind},
         run::{Bench, LongPeriodPlan, StudyFault},
     },
-    vehicle::{ScheduleData, Vehicle},
 };
 use desk::faults::FileFaults;
 use serde::Serialize;
+use vehicle::{ScheduleData, Vehicle, flight_mode::FlightScript};
 
 /// Reserve kept below the load limit, fraction of it.
 pub const LOAD_RESERVE: f64 = 0.10;

@@ -1,11 +1,8 @@
 //! A gain schedule being designed: its form in the vehicle file, and back.
 
-use crate::{
-    gain_schedule::LoopGains,
-    vehicle::{ScheduleData, Vehicle, VehicleData},
-};
 use desk::faults::FileFaults;
 use std::fmt::Write;
+use vehicle::{ScheduleData, Vehicle, VehicleData, gain_schedule::LoopGains};
 
 /// Appends an interval, its gains rounded to the digits of the vehicle file so
 /// that what is printed is what was tried. The dead zone is left to [`close`].

@@ -92,7 +92,8 @@ fn commented(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{study::gain_design::criteria::LoopQuality, vehicle::Vehicle};
+    use crate::study::gain_design::criteria::LoopQuality;
+    use vehicle::Vehicle;
 
     fn trial(switchings: usize, accepted: bool) -> Trial {
         let mut schedule = Vehicle::shipped().unwrap().data().gains_reduced.clone();

@@ -58,9 +58,9 @@ fn l1(results: &LongPeriodResults) -> Claim {
         results.modes.iter().max_by(|a, b| severity(results, a).total_cmp(&severity(results, b)));
     let holds = results.modes.iter().all(|m| severity(results, m) <= 1.0);
     Claim {
-        id: "L1",
+        id: "L1".into(),
         evidence: evidence::MODES,
-        sentence: "the trajectory variables are not very sensitive to changes in the control system parameter values",
+        sentence: "the trajectory variables are not very sensitive to changes in the control system parameter values".into(),
         criterion: format!(
             "all modes at burn-out within {} % of velocity, {}° of flight-path angle, {} % of altitude, {} km of range of the undisturbed flight",
             100.0 * accept.speed_fraction,
@@ -95,9 +95,9 @@ fn l2(results: &LongPeriodResults) -> Claim {
         .collect();
     let in_part = reversed.len() != 1 && results.modes.iter().any(|m| m.reversed.is_some());
     Claim {
-        id: "L2",
+        id: "L2".into(),
         evidence: evidence::Q_ALPHA,
-        sentence: "the load profiles single out a failure mode which generates an acceptable trajectory but violates the design structural load limit",
+        sentence: "the load profiles single out a failure mode which generates an acceptable trajectory but violates the design structural load limit".into(),
         criterion: format!(
             "exactly one mode exceeds {:.0} kPa deg of Qα in the design wind with nominal misalignments",
             results.accept.q_alpha_padeg / 1e3
@@ -138,9 +138,9 @@ fn l2b(results: &LongPeriodResults) -> Claim {
     }
     let flown = results.modes.iter().any(|m| !m.envelope.is_empty());
     Claim {
-        id: "L2b",
+        id: "L2b".into(),
         evidence: evidence::LOADS,
-        sentence: "the same over the envelope of misalignments",
+        sentence: "the same over the envelope of misalignments".into(),
         criterion: format!(
             "exactly one mode exceeds {:.0} kPa deg in the design wind at pitch misalignments of {} × 3σ",
             results.accept.q_alpha_padeg / 1e3,
@@ -189,9 +189,9 @@ fn l3(results: &LongPeriodResults) -> Claim {
         })
         .collect();
     Claim {
-        id: "L3",
+        id: "L3".into(),
         evidence: evidence::FIGURE_8,
-        sentence: "a schedule with reduced number of switchings retains the trajectory profile within acceptable limits",
+        sentence: "a schedule with reduced number of switchings retains the trajectory profile within acceptable limits".into(),
         criterion: format!(
             "the reduced schedule stays below {:.0} kPa deg and within L1",
             results.accept.q_alpha_padeg / 1e3

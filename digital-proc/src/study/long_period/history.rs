@@ -3,9 +3,9 @@
 //! Kept as columns, one value a trajectory step, in the units in which figures and
 //! traces show them. [`VARIABLES`] says what a trace and what a figure call each.
 
-use crate::flight_summary::FlightSample;
 use crate::study::evidence;
 use serde::Serialize;
+use vehicle::flight_summary::FlightSample;
 
 /// The paper's ten variables against time, one value a trajectory step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -1,12 +1,12 @@
 //! What a long-period study comes to: burn-out, loads and fuel of every flight.
 
 use super::history::History;
-use crate::{
+use serde::Serialize;
+use vehicle::{
+    ScheduleData, Vehicle,
     flight_mode::{FlightScript, Schedule},
     flight_summary::FlightSummary,
-    vehicle::{ScheduleData, Vehicle},
 };
-use serde::Serialize;
 
 /// Wind of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -13,13 +13,15 @@ use crate::{
     console::{Console, ConsoleFault},
     executive::Rate,
     flight::{AlphaPath, FlightFault, FlightPlan, Stage, channels::Sampled, stage_patch},
+};
+use interface::{Tick, control::PatchBundle, profile::Profile};
+use vehicle::{
+    Vehicle,
     flight_mode::FlightScript,
     reference::FlightCase,
     table::TableError,
-    vehicle::Vehicle,
     wind::{SyntheticWind, Wind},
 };
-use interface::{Tick, control::PatchBundle, profile::Profile};
 
 /// Misalignments of the shipped envelope, fractions of 3σ, flown beside the
 /// design case's own: both ends, the middle and half-way. The load of a mode with

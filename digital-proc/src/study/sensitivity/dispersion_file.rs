@@ -1,19 +1,16 @@
 //! The dispersion file: what is dispersed, by how much, and at which points.
 
-use crate::{
-    slice::SlicePoint,
-    study::short_period::{
-        places::{PointEntry, locate_all},
-        point::FrozenPoint,
-        quantity::{QUANTITIES, Quantity},
-        study_file::{Study, StudyError},
-    },
-    vehicle::Vehicle,
+use crate::study::short_period::{
+    places::{PointEntry, locate_all},
+    point::FrozenPoint,
+    quantity::{QUANTITIES, Quantity},
+    study_file::{Study, StudyError},
 };
 use desk::faults::{self, FileFault, FileFaults, Source, suggestion};
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
+use vehicle::{Vehicle, slice::SlicePoint};
 
 /// Text of the shipped file.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/dispersions.toml");

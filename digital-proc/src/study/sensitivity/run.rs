@@ -15,9 +15,9 @@ use crate::{
             point::FrozenPoint,
         },
     },
-    vehicle::Vehicle,
 };
 use serde::Serialize;
+use vehicle::Vehicle;
 
 /// Corners of each point that are also run on the machine.
 pub const CORNERS_RUN: usize = 2;

@@ -163,7 +163,7 @@ pub fn linear_range(
 mod tests {
     use super::*;
     use crate::study::short_period::{claims::NORMAL, reference, study_file::Study};
-    use crate::vehicle::Vehicle;
+    use vehicle::Vehicle;
 
     fn normal() -> Plan {
         let mut study = Study::shipped().unwrap();

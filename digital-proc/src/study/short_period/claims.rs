@@ -112,7 +112,7 @@ mod tests {
     use crate::study::short_period::plan::{Plan, YawRollCase};
     use crate::study::short_period::reference;
     use crate::study::short_period::study_file::Study;
-    use crate::vehicle::{Vehicle, VehicleData};
+    use vehicle::{Vehicle, VehicleData};
 
     fn judged(plan: &Plan) -> Vec<Claim> {
         // 1 ms: gyro and the fastest actuator take 100 and 200 rad/s · 1 ms.
@@ -129,8 +129,8 @@ mod tests {
         Plan::new(&study, &vehicle).unwrap()
     }
 
-    fn failing(claims: &[Claim]) -> Vec<&'static str> {
-        claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id).collect()
+    fn failing(claims: &[Claim]) -> Vec<String> {
+        claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| c.id.to_string()).collect()
     }
 
     const JUDGED: [&str; 4] = [NORMAL, FTC_GAIN_LOST, TVC_SLOW, TVC_FAST];

@@ -220,12 +220,12 @@ pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::slice;
     use crate::study::short_period::coefficients::{Disturbance, PitchSettings, YawRollInitial};
     use crate::study::short_period::metrics::{Window, oscillation};
     use crate::study::short_period::point::FrozenPoint;
     use crate::study::short_period::reference::{self, Grid};
-    use crate::vehicle::Vehicle;
+    use vehicle::Vehicle;
+    use vehicle::slice;
 
     fn frozen(times_s: &[f64]) -> Vec<FrozenPoint> {
         let vehicle = Vehicle::shipped().unwrap();

@@ -6,10 +6,10 @@
 //! the flight lacks is told with its reason; who asked for it decides whether that is a fault.
 
 use super::study_file::{Study, StudyError};
-use crate::slice::{self, SlicePoint};
-use crate::trajectory::FlightError;
-use crate::vehicle::Vehicle;
 use desk::faults::{FileFault, FileFaults, Source};
+use vehicle::Vehicle;
+use vehicle::slice::{self, SlicePoint};
+use vehicle::trajectory::FlightError;
 
 /// Sampling interval at which events of the flight are first looked for, s.
 const COARSE_S: f64 = 0.1;

@@ -11,9 +11,9 @@ use super::places::{gyro_stations, locate_all};
 use super::point::FrozenPoint;
 use super::quantity::QUANTITIES;
 use super::study_file::{Condition, GainSource, How, Study, StudyError};
-use crate::gain_schedule::{GainSchedule, LoopGains};
-use crate::slice::SlicePoint;
-use crate::vehicle::Vehicle;
+use vehicle::Vehicle;
+use vehicle::gain_schedule::{GainSchedule, LoopGains};
+use vehicle::slice::SlicePoint;
 
 /// All runs of a study.
 #[derive(Clone, Debug, PartialEq)]

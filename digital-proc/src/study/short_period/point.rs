@@ -4,10 +4,10 @@
 //! coefficients, so that a condition says "rate-gyro slope" or "thrust-vector
 //! time constant" and not "coefficient 18". SI units, radians, seconds.
 
-use crate::airframe::DAMPING_AIRSPEED_FLOOR_MPS;
-use crate::gain_schedule::LoopGains;
-use crate::slice::SlicePoint;
-use crate::vehicle::Vehicle;
+use vehicle::Vehicle;
+use vehicle::airframe::DAMPING_AIRSPEED_FLOOR_MPS;
+use vehicle::gain_schedule::LoopGains;
+use vehicle::slice::SlicePoint;
 
 /// One trajectory point, frozen, with the loop gains in force there.
 ///

@@ -13,8 +13,8 @@ use toml::Spanned;
 use super::places::PointEntry;
 use super::quantity::Quantity;
 use super::study_check;
-use crate::trajectory::FlightError;
 use desk::faults::{self, FileFaults, Source};
+use vehicle::trajectory::FlightError;
 
 /// Text of the shipped study.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");

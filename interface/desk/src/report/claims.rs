@@ -53,7 +53,7 @@ pub fn claims_text(claims: &[Claim]) -> String {
     let width = |text: fn(&Claim) -> &str| {
         claims.iter().map(|c| text(c).chars().count()).max().unwrap_or(0)
     };
-    let (ids, words) = (width(|c| c.id), width(|c| c.verdict.words()));
+    let (ids, words) = (width(|c| &*c.id), width(|c| c.verdict.words()));
     let mut out = String::new();
     for claim in claims {
         let verdict = claim.verdict.words();
@@ -100,9 +100,9 @@ mod tests {
 
     fn claim(verdict: Verdict) -> Claim {
         Claim {
-            id: "P1",
+            id: "P1".into(),
             evidence: Evidence::at("figure-4"),
-            sentence: "quite <satisfactory>",
+            sentence: "quite <satisfactory>".into(),
             criterion: "≤ 25 %".to_owned(),
             measured: "31 %".to_owned(),
             verdict,

@@ -48,6 +48,11 @@ impl Summary {
         });
     }
 
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
     /// Aligned lines for a terminal.
     pub fn text(&self) -> String {
         let numbers: Vec<String> =

@@ -60,9 +60,65 @@ impl Heading {
         Heading { label: label.into(), unit: unit.into(), digits: 4 }
     }
 
+    /// Name for machines: label and unit in snake_case, `Max Qα` in `kPa·°` as
+    /// `max_q_alpha_kpa_deg`.
+    pub fn key(&self) -> String {
+        let mut key = String::new();
+        for c in format!("{} {}", self.label, self.unit).chars() {
+            let word = match c {
+                'α' => "_alpha",
+                'β' => "_beta",
+                'γ' => "_gamma",
+                'ζ' => "_zeta",
+                'λ' => "_lambda",
+                'σ' => "_sigma",
+                'τ' => "_tau",
+                'ω' => "_omega",
+                'Δ' => "delta_",
+                '°' => "deg",
+                '%' => "percent",
+                '+' => "_plus_",
+                '−' | '-' if key.ends_with('_') => "minus_",
+                _ if c.is_ascii_alphanumeric() => {
+                    key.push(c.to_ascii_lowercase());
+                    continue;
+                }
+                _ => "_",
+            };
+            key.push_str(if key.is_empty() || key.ends_with('_') {
+                word.trim_start_matches('_')
+            } else {
+                word
+            });
+        }
+        key.trim_matches('_').to_owned()
+    }
+
     /// The same with another number of digits.
     pub fn digits(mut self, digits: usize) -> Heading {
         self.digits = digits;
+        self
+    }
+}
+
+/// A column of a table whose rows are made from values of `R`: all that there is to say of it.
+#[derive(Clone, Debug)]
+pub struct Column<R> {
+    /// Its heading.
+    pub heading: Heading,
+    /// What stands in it.
+    pub of: fn(&R) -> Cell,
+}
+
+impl<R> Column<R> {
+    /// A column with four significant digits.
+    pub fn new(label: &str, unit: &str, of: fn(&R) -> Cell) -> Column<R> {
+        Column { heading: Heading::new(label, unit), of }
+    }
+
+    /// The same with another number of digits.
+    pub fn digits(mut self, digits: usize) -> Column<R> {
+        self.heading.digits = digits;
         self
     }
 }
@@ -80,6 +136,15 @@ impl Table {
     /// A table without rows.
     pub fn new(headings: Vec<Heading>) -> Table {
         Table { headings, rows: Vec::new() }
+    }
+
+    /// The table of `rows`.
+    pub fn of<'r, R: 'r>(columns: &[Column<R>], rows: impl IntoIterator<Item = &'r R>) -> Table {
+        let cells = |row: &R| columns.iter().map(|c| (c.of)(row)).collect();
+        Table {
+            headings: columns.iter().map(|c| c.heading.clone()).collect(),
+            rows: rows.into_iter().map(cells).collect(),
+        }
     }
 
     /// Adds a row.
@@ -165,8 +230,28 @@ impl Table {
         out
     }
 
-    /// The table for machines: an array of objects keyed by heading; a number that is not
-    /// finite becomes null.
+    /// Every digit of its numbers, the unit in brackets in the heading.
+    ///
+    /// # Errors
+    /// Those of the writer, which has nothing but memory to fail.
+    pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(self.headings.iter().map(|h| {
+            if h.unit.is_empty() { h.label.clone() } else { format!("{} [{}]", h.label, h.unit) }
+        }))?;
+        for row in &self.rows {
+            let cell = |i: usize| match row.get(i) {
+                Some(Cell::Number(value)) => value.to_string(),
+                Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
+                Some(Cell::Missing) | None => String::new(),
+            };
+            writer.write_record((0..self.headings.len()).map(cell))?;
+        }
+        writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))
+    }
+
+    /// The table for machines: an array of objects keyed by [`Heading::key`]; a number that is
+    /// not finite becomes null.
     pub fn json(&self) -> serde_json::Value {
         self.rows
             .iter()
@@ -179,7 +264,7 @@ impl Table {
                         }
                         Cell::Missing => serde_json::Value::Null,
                     };
-                    (heading.label.clone(), value)
+                    (heading.key(), value)
                 });
                 serde_json::Value::Object(pairs.collect())
             })
@@ -217,9 +302,22 @@ mod tests {
     }
 
     #[test]
+    fn keys_are_snake_case_with_their_unit() {
+        for (label, unit, key) in [
+            ("Max Qα", "kPa·°", "max_q_alpha_kpa_deg"),
+            ("ΔV", "%", "delta_v_percent"),
+            ("omega measured", "rad/s", "omega_measured_rad_s"),
+            ("greatest |z|", "", "greatest_z"),
+            ("design -0.5", "kg", "design_minus_0_5_kg"),
+        ] {
+            assert_eq!(Heading::new(label, unit).key(), key);
+        }
+    }
+
+    #[test]
     fn json_keeps_full_precision() {
         let json = sample().json();
-        assert_eq!(json[0]["Maximum"], 94.871_23);
-        assert!(json[1]["Maximum"].is_null());
+        assert_eq!(json[0]["maximum_kpa"], 94.871_23);
+        assert!(json[1]["maximum_kpa"].is_null());
     }
 }

@@ -33,10 +33,11 @@ pub(super) fn p1(outcome: &Outcome) -> Claim {
     let reduced = outcome.pitch_under("reduced-schedule", false);
     let reduced = Worst::of(true, reduced, |r| r.measures.overshoot);
     Claim {
-        id: "P1",
+        id: "P1".into(),
         evidence: evidence::OVERSHOOTS,
         sentence: "For a step command in pitch, the normal mode response of θ is found to be \
-                   quite satisfactory",
+                   quite satisfactory"
+            .into(),
         criterion: format!(
             "normal mode, every point: overshoot ≤ {:.0} %, residual oscillation ≤ {:.0} % of the step",
             100.0 * OVERSHOOT_P1,
@@ -62,9 +63,9 @@ pub(super) fn p2(outcome: &Outcome) -> Claim {
         .map(|r| r.point.as_str())
         .collect();
     Claim {
-        id: "P2",
+        id: "P2".into(),
         evidence: evidence::FIGURE_4,
-        sentence: FAILURE_SENTENCE,
+        sentence: FAILURE_SENTENCE.into(),
         criterion: format!(
             "FTC gain × 0.05: residual oscillation ≥ {:.0} % of the step from FTC switch-in to {P2_UNTIL_S} s",
             100.0 * OSCILLATORY
@@ -89,9 +90,9 @@ pub(super) fn p3(outcome: &Outcome) -> Claim {
     };
     let (needed, elsewhere) = (residual(false, true), residual(true, false));
     Claim {
-        id: "P3",
+        id: "P3".into(),
         evidence: evidence::FIGURE_4,
-        sentence: FAILURE_SENTENCE,
+        sentence: FAILURE_SENTENCE.into(),
         criterion: format!(
             "TVC pole 10 → 1 rad/s: residual oscillation ≥ {:.0} % of the step wherever the TVC is \
              needed (no fin tips, or tip authority below {AUTHORITY_NEEDED} of the static load)",
@@ -125,9 +126,9 @@ pub(super) fn p4(outcome: &Outcome) -> Claim {
         .map(|r| r.point.as_str())
         .collect();
     Claim {
-        id: "P4",
+        id: "P4".into(),
         evidence: evidence::BENDING_GROWTH,
-        sentence: FAILURE_SENTENCE,
+        sentence: FAILURE_SENTENCE.into(),
         criterion: "TVC time constant 0.1 → 0.005 s: the bending envelope grows from window to \
                     window before the fin tips are switched in"
             .to_owned(),
@@ -148,9 +149,9 @@ fn bending<'a>(outcome: &'a Outcome, condition: &str, window: usize) -> Worst<'a
 pub(super) fn p5(outcome: &Outcome) -> Claim {
     let (middle, late) = (bending(outcome, NORMAL, 1), bending(outcome, NORMAL, 2));
     Claim {
-        id: "P5",
+        id: "P5".into(),
         evidence: evidence::BENDING,
-        sentence: BENDING_SENTENCE,
+        sentence: BENDING_SENTENCE.into(),
         criterion: format!(
             "normal mode, every point: bending envelope ≤ {:.0} % of its first by 5–6.5 s and ≤ {:.0} % by 8–9.5 s",
             100.0 * BENDING_MIDDLE,
@@ -165,9 +166,9 @@ pub(super) fn p5(outcome: &Outcome) -> Claim {
 pub(super) fn p6(outcome: &Outcome) -> Claim {
     let middle = bending(outcome, FTC_GAIN_LOST, 1);
     Claim {
-        id: "P6",
+        id: "P6".into(),
         evidence: evidence::BENDING,
-        sentence: BENDING_SENTENCE,
+        sentence: BENDING_SENTENCE.into(),
         criterion: format!(
             "FTC gain × 0.05, every point with fin tips: bending envelope ≤ {:.0} % of its first by 5–6.5 s",
             100.0 * BENDING_MIDDLE

@@ -15,9 +15,9 @@ pub(super) fn y1(outcome: &Outcome) -> Claim {
         Some(r.measures.tips_given_to_roll_s)
     });
     Claim {
-        id: "Y1",
+        id: "Y1".into(),
         evidence: evidence::FIGURE_5,
-        sentence: "the fin tips get first allocated to the roll channel and saturate",
+        sentence: "the fin tips get first allocated to the roll channel and saturate".into(),
         criterion: format!(
             "both tips ≥ 95 % of their limit in opposite senses for at least {GIVEN_TO_ROLL_S} s while yaw's share is under 10 %"
         ),
@@ -31,9 +31,9 @@ pub(super) fn y2(outcome: &Outcome) -> Claim {
     let called =
         Worst::of(true, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.tvc_called_s);
     Claim {
-        id: "Y2",
+        id: "Y2".into(),
         evidence: evidence::FIGURE_5,
-        sentence: "… calling in the TVC for the yaw axis",
+        sentence: "… calling in the TVC for the yaw axis".into(),
         criterion: format!(
             "thrust-vector yaw force above 20 % of its maximum within {CALLED_WITHIN_S} s"
         ),
@@ -47,9 +47,9 @@ pub(super) fn y3(outcome: &Outcome) -> Claim {
     let share =
         Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.yaw_share_after);
     Claim {
-        id: "Y3",
+        id: "Y3".into(),
         evidence: evidence::FIGURE_5,
-        sentence: "Fin tips become effective in yaw after the roll error is reduced",
+        sentence: "Fin tips become effective in yaw after the roll error is reduced".into(),
         criterion: format!(
             "after roll has fallen to a quarter, tips above {:.0} % of their limit in yaw",
             100.0 * SHARE_AFTER
@@ -76,11 +76,13 @@ pub(super) fn y4(outcome: &Outcome) -> Claim {
     let roll =
         Worst::of(true, outcome.yaw_roll_under(NORMAL, true), |r| r.measures.roll_settling_s);
     Claim {
-        id: "Y4",
+        id: "Y4".into(),
         evidence: evidence::FIGURE_5,
-        sentence: "using the fin tips exclusively for the roll channel and the TVC correspondingly \
+        sentence:
+            "using the fin tips exclusively for the roll channel and the TVC correspondingly \
                    for the yaw stabilisation … may eliminate yaw-roll interaction and achieve \
-                   better response times",
+                   better response times"
+                .into(),
         criterion: format!(
             "with dedicated allocation yaw settles (to {YAW_BAND_DEG}° of its final value) no later, \
              at every point"

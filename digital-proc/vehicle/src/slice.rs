@@ -8,8 +8,8 @@ use crate::airframe::AirframeCoefficients;
 use crate::flight_mode::ControlSettings;
 use crate::rk4;
 use crate::trajectory::{self, FlightError, TrajectoryState};
-use crate::vehicle::{BendingMode, Vehicle};
 use crate::wind::Wind;
+use crate::{BendingMode, Vehicle};
 
 /// Step of the point-mass flight, s.
 pub const STEP_S: f64 = 0.02;

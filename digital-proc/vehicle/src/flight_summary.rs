@@ -7,7 +7,7 @@
 
 use crate::table_edges::EdgeRecord;
 use crate::trajectory::TrajectoryState;
-use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+use crate::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 /// The variables that the paper monitors (§4.2), and those behind them.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,8 +6,8 @@
 //! pitch from the launch horizontal, nose-up positive, 90° on the pad.
 //! Departs from the paper, eq. (3): there pitch counts from the launch vertical.
 
+use crate::PitchProgrammeData;
 use crate::table::{Edge, Table, TableError};
-use crate::vehicle::PitchProgrammeData;
 
 /// Commanded attitude at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]

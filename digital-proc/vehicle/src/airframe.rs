@@ -28,9 +28,9 @@
 //! axes. İ_xx p is left out of the roll row together with the swirl the jet
 //! carries away, which is of the same size and the opposite sign.
 
+use crate::Vehicle;
 use crate::atmosphere::{AtmosphereError, air_at};
 use crate::table_edges::{EdgeRecord, TableName};
-use crate::vehicle::Vehicle;
 
 /// Below this airspeed the rate damping is that of 30 m/s: the slopes divide by
 /// the airspeed, and at lift-off there is no flow to damp anything.

@@ -11,8 +11,8 @@
 
 use interface::deviate::Normal;
 
+use crate::Vehicle;
 use crate::table::{Table, TableError};
-use crate::vehicle::Vehicle;
 use crate::wind::Wind;
 
 /// Spacing of a member's altitudes, m: a tenth of the small scale of the

@@ -7,10 +7,10 @@
 //! actions, each with its time of occurrence. It turns a flight time into
 //! [`ControlSettings`]: numbers that the digital side sets by DCU. The equations
 //! themselves do not know of modes. Scripts come from a failure file
-//! ([`crate::study::failure_file`]); [`FlightMode`] names the shipped ones.
+//! ([`crate::failure_file`]); [`FlightMode`] names the shipped ones.
 
+use crate::Vehicle;
 use crate::gain_schedule::LoopGains;
-use crate::vehicle::Vehicle;
 
 /// A mode of the shipped failure file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -46,9 +46,9 @@
 //! like are left out; they vanish in pitch and yaw for small p and in roll
 //! because I_yy = I_zz.
 
+use crate::Vehicle;
 use crate::airframe::AirframeCoefficients;
 use crate::flight_mode::ControlSettings;
-use crate::vehicle::Vehicle;
 
 /// Length of the state.
 pub const STATE_LEN: usize = 19;

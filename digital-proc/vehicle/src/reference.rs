@@ -20,12 +20,12 @@ pub mod attitude;
 
 use attitude::{AttitudeInputs, AttitudeState, STATE_LEN};
 
+use crate::Vehicle;
 use crate::flight_mode::{FlightScript, control_settings};
 use crate::flight_summary::{FlightMonitor, FlightSample, FlightSummary};
 use crate::rk4;
 use crate::table_edges::{EdgeRecord, TableName};
 use crate::trajectory::{self, FlightError, SampledAttitude, TrajectoryState};
-use crate::vehicle::Vehicle;
 use crate::wind::Wind;
 
 /// Coarsest step rate of the reference, 1/s: the gyro (100 rad/s) is its

@@ -15,7 +15,7 @@
 //! Outside the envelope's altitudes its end value holds, flagged.
 
 use crate::table::{Edge, Table, TableError};
-use crate::vehicle::{Vehicle, WindData};
+use crate::{Vehicle, WindData};
 
 /// Height over which the gust builds up and dies away, m.
 pub const GUST_EDGE_M: f64 = 30.0;

@@ -5,13 +5,29 @@
 //! [`Vehicle::from_toml`]. Studies that disperse parameters change a copy of
 //! [`VehicleData`] and rebuild by [`Vehicle::from_data`], which validates again.
 //! A faulty set yields no vehicle: all its faults are reported instead.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 mod aero;
+pub mod airframe;
+pub mod atmosphere;
 mod check;
 mod data;
+pub mod failure_file;
+pub mod flight_mode;
+pub mod flight_summary;
+pub mod gain_schedule;
 mod mass;
+pub mod pitch_programme;
 mod places;
+pub mod reference;
+pub mod rk4;
+pub mod slice;
+pub mod table;
+pub mod table_edges;
 mod thrust;
+pub mod trajectory;
+pub mod wind;
+pub mod wind_ensemble;
 
 use std::path::Path;
 
@@ -31,7 +47,7 @@ use crate::table_edges::{EdgeRecord, TableName};
 use desk::faults::{self, FileFault, FileFaults, Source};
 
 /// Text of the shipped data set.
-pub const SHIPPED_TEXT: &str = include_str!("../data/vehicle.toml");
+pub const SHIPPED_TEXT: &str = include_str!("../../data/vehicle.toml");
 /// Name under which faults of the shipped set would be reported.
 pub const SHIPPED_NAME: &str = "digital-proc/data/vehicle.toml";
 

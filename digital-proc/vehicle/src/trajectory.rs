@@ -29,11 +29,11 @@
 //! The stage of a Runge–Kutta step takes θ and F_c as sampled at the frame
 //! start, either held or with θ extrapolated along a given rate.
 
+use crate::Vehicle;
 use crate::airframe::{AirframeCoefficients, airframe_at};
 use crate::atmosphere::AtmosphereError;
 use crate::rk4;
 use crate::table_edges::{EdgeRecord, TableName};
-use crate::vehicle::Vehicle;
 use crate::wind::Wind;
 
 /// Speed with which every flight starts, m/s: γ̇ divides by V.

@@ -4,7 +4,7 @@
 //! sequencer stays in the state it has at the failure. Gains leave here in SI
 //! units, per radian.
 
-use crate::vehicle::ScheduleData;
+use crate::ScheduleData;
 
 /// Gains of the pitch and yaw channels (they share them).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +68,7 @@ impl GainSchedule {
 
 #[cfg(test)]
 mod tests {
-    use crate::vehicle::Vehicle;
+    use crate::Vehicle;
 
     #[test]
     fn gains_change_at_the_switch_time_itself() {

@@ -1,0 +1,324 @@
+//! What a command came to, and how it leaves the program: terminal, page, JSON, CSV.
+//!
+//! Every command fills an [`Outcome`] and nothing else; [`Outcome::publish`] alone knows how it
+//! is shown. Its JSON has one form for all of them:
+//!
+//! ```text
+//! command   as in the list of runs, `sampling circle`
+//! run       the run's directory, or null
+//! title     in words
+//! results   named numbers, snake_case with the unit: {"max_q_pa": 94871.2}
+//! tables    by name, each a list of rows keyed like `results`
+//! claims    id, sentence, criterion, measured, verdict, remark
+//! remarks   what a reader of the numbers must know
+//! error     null, or exit_code, text and the faults of a user's file
+//! ```
+
+use crate::{
+    claim::{Claim, Verdict},
+    failure::Failure,
+    report::{
+        Numbering, Section, Summary, Table, claims_table, claims_text, page, provenance,
+        side_by_side,
+    },
+    run_dir::{RunDirectory, RunRecord},
+    say,
+};
+use maud::{Markup, html};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// What a command came to.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Heading of the page and first line on the terminal.
+    pub title: String,
+    /// What the reader sees, in a sentence or two.
+    pub lead: String,
+    /// Named numbers.
+    pub results: Summary,
+    /// Statements, judged.
+    pub claims: Vec<Claim>,
+    /// What a reader of the numbers must know.
+    pub remarks: Vec<String>,
+    /// The page's sections in order.
+    sections: Vec<(String, Vec<Part>)>,
+}
+
+/// A part of a section.
+#[derive(Clone, Debug)]
+enum Part {
+    /// A table with its name in JSON and for links, and its caption.
+    Table { name: String, caption: String, table: Table, on_terminal: bool },
+    /// A figure.
+    Figure(Figure),
+    /// Figures side by side where the page is wide enough.
+    Beside(Vec<Figure>),
+    /// A paragraph.
+    Words { text: String, on_terminal: bool },
+    /// Anything else that only a page can show.
+    Markup(Markup),
+}
+
+/// A drawing with its anchor and caption.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// What links point to.
+    pub id: String,
+    /// Caption.
+    pub caption: String,
+    /// The drawing.
+    pub drawing: Markup,
+}
+
+impl Figure {
+    /// A drawing under `id`.
+    pub fn new(id: impl Into<String>, caption: impl Into<String>, drawing: Markup) -> Figure {
+        Figure { id: id.into(), caption: caption.into(), drawing }
+    }
+
+    fn markup(&self, numbering: &mut Numbering) -> Markup {
+        numbering.figure(&self.id, &self.caption, self.drawing.clone())
+    }
+}
+
+impl Outcome {
+    /// Nothing yet.
+    pub fn new(title: impl Into<String>, lead: impl Into<String>) -> Outcome {
+        Outcome { title: title.into(), lead: lead.into(), ..Outcome::default() }
+    }
+
+    /// The section of that title, begun if need be: what follows is put there.
+    pub fn section(&mut self, title: &str) -> SectionOf<'_> {
+        let at = self.sections.iter().position(|(t, _)| t == title).unwrap_or_else(|| {
+            self.sections.push((title.to_owned(), Vec::new()));
+            self.sections.len() - 1
+        });
+        SectionOf(&mut self.sections[at].1)
+    }
+
+    /// The tables by name.
+    pub fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
+        self.parts().filter_map(|part| match part {
+            Part::Table { name, table, .. } => Some((name.as_str(), table)),
+            _ => None,
+        })
+    }
+
+    fn parts(&self) -> impl Iterator<Item = &Part> {
+        self.sections.iter().flat_map(|(_, parts)| parts)
+    }
+
+    /// For machines; `error` says why the command ends with another exit code than 0.
+    pub fn json(&self, command: &str, run: Option<&Path>, error: Option<&Failure>) -> Value {
+        let tables: Map<String, Value> =
+            self.tables().map(|(name, table)| (name.to_owned(), table.json())).collect();
+        json!({
+            "command": command,
+            "run": run,
+            "title": self.title,
+            "results": self.results.json(),
+            "tables": tables,
+            "claims": self.claims,
+            "remarks": self.remarks,
+            "error": error.map(Failure::json),
+        })
+    }
+
+    /// On a terminal.
+    pub fn text(&self) -> String {
+        let mut out = format!("{}\n", self.title);
+        out.push_str(&self.results.text());
+        for part in self.parts() {
+            match part {
+                Part::Table { caption, table, on_terminal: true, .. } => {
+                    out.push_str(&format!("\n{caption}\n{}", table.text()));
+                }
+                Part::Words { text, on_terminal: true } => out.push_str(&format!("\n{text}\n")),
+                _ => {}
+            }
+        }
+        if !self.claims.is_empty() {
+            out.push_str(&format!("\n{}", claims_text(&self.claims)));
+            for claim in &self.claims {
+                if let Some(remark) = &claim.remark {
+                    out.push_str(&format!("{}: {remark}\n", claim.id));
+                }
+            }
+        }
+        for remark in &self.remarks {
+            out.push_str(&format!("{remark}\n"));
+        }
+        out
+    }
+
+    /// As a page.
+    pub fn page(&self, record: &RunRecord) -> String {
+        let mut numbering = Numbering::new();
+        let mut sections = Vec::new();
+        if !self.results.is_empty() {
+            sections.push(Section::new("Results", self.results.table().markup()));
+        }
+        for (title, parts) in &self.sections {
+            let body = html! { @for part in parts { (part.markup(&mut numbering)) } };
+            sections.push(Section::new(title.as_str(), body));
+        }
+        if !self.claims.is_empty() {
+            // Made last, since it links to what was drawn, and read first.
+            let claims = claims_table(&self.claims, &numbering);
+            sections.insert(0, Section::new("Claims", claims));
+        }
+        if !self.remarks.is_empty() {
+            let list = html! { ul { @for remark in &self.remarks { li { (remark) } } } };
+            sections.push(Section::new("Remarks", list));
+        }
+        sections.push(Section::new("Provenance", provenance(record)));
+        page(&self.title, &self.lead, &sections)
+    }
+
+    /// What makes the command end with exit code 1: the claims that fail.
+    pub fn verdict(&self) -> Option<Failure> {
+        let failed: Vec<&str> =
+            self.claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| &*c.id).collect();
+        (!failed.is_empty()).then(|| Failure::failed("does not hold", &failed))
+    }
+
+    /// Leaves record, summary, page and tables in the run's directory and says where; `json`
+    /// prints the summary instead.
+    ///
+    /// # Errors
+    /// A file that cannot be written; a claim that fails.
+    pub fn publish(&self, run: &Run, json: bool) -> Result<(), Failure> {
+        let directory = &run.directory;
+        directory.write_record(&run.record)?;
+        for (name, table) in self.tables() {
+            directory.write_file(&format!("{name}.csv"), &table.csv().map_err(Failure::output)?)?;
+        }
+        let failed = self.verdict();
+        let summary = self.json(&run.record.command, Some(directory.path()), failed.as_ref());
+        directory.write_summary(&summary)?;
+        let report = directory.write_report(&self.page(&run.record))?;
+        if json {
+            say!("{summary:#}");
+        } else {
+            say!("{}report: {}", self.text(), report.display());
+        }
+        failed.map_or(Ok(()), Err)
+    }
+}
+
+impl Part {
+    fn markup(&self, numbering: &mut Numbering) -> Markup {
+        match self {
+            Part::Table { name, caption, table, .. } => {
+                numbering.table(name, caption, table.markup())
+            }
+            Part::Figure(figure) => figure.markup(numbering),
+            Part::Beside(figures) => {
+                let all: Vec<Markup> = figures.iter().map(|f| f.markup(numbering)).collect();
+                side_by_side(&all)
+            }
+            Part::Words { text, .. } => html! { p { (text) } },
+            Part::Markup(markup) => markup.clone(),
+        }
+    }
+}
+
+/// A section being filled.
+pub struct SectionOf<'a>(&'a mut Vec<Part>);
+
+impl SectionOf<'_> {
+    /// A table: on the page, on the terminal, in JSON and as `NAME.csv`.
+    pub fn table(self, name: impl Into<String>, caption: impl Into<String>, table: Table) -> Self {
+        let (name, caption) = (name.into(), caption.into());
+        self.0.push(Part::Table { name, caption, table, on_terminal: true });
+        self
+    }
+
+    /// The same, too long for a terminal.
+    pub fn long_table(
+        self,
+        name: impl Into<String>,
+        caption: impl Into<String>,
+        table: Table,
+    ) -> Self {
+        let (name, caption) = (name.into(), caption.into());
+        self.0.push(Part::Table { name, caption, table, on_terminal: false });
+        self
+    }
+
+    /// A figure.
+    pub fn figure(self, figure: Figure) -> Self {
+        self.0.push(Part::Figure(figure));
+        self
+    }
+
+    /// Figures side by side.
+    pub fn beside(self, figures: Vec<Figure>) -> Self {
+        self.0.push(Part::Beside(figures));
+        self
+    }
+
+    /// A paragraph, on the terminal too.
+    pub fn words(self, text: impl Into<String>) -> Self {
+        self.0.push(Part::Words { text: text.into(), on_terminal: true });
+        self
+    }
+
+    /// A paragraph of the page.
+    pub fn aside(self, text: impl Into<String>) -> Self {
+        self.0.push(Part::Words { text: text.into(), on_terminal: false });
+        self
+    }
+
+    /// Anything else that only a page can show.
+    pub fn markup(self, markup: Markup) -> Self {
+        self.0.push(Part::Markup(markup));
+        self
+    }
+}
+
+/// A run's directory and its record, begun before the work so that a run that is killed shows.
+#[derive(Debug)]
+pub struct Run {
+    /// The directory.
+    pub directory: RunDirectory,
+    /// Everything needed to repeat it.
+    pub record: RunRecord,
+}
+
+impl Run {
+    /// Claims a directory under `base` for a run of `command` that starts now.
+    ///
+    /// # Errors
+    /// The directory or the record cannot be written.
+    pub fn begin(base: &Path, command: &str, profile: &str, link: &str) -> Result<Run, Failure> {
+        let started = crate::run_dir::UtcSecond::from_system(std::time::SystemTime::now());
+        let directory = RunDirectory::create(base, command, started)?;
+        let record = RunRecord::begin(command, started, profile, link);
+        directory.write_record(&record)?;
+        Ok(Run { directory, record })
+    }
+
+    /// Notes a parameter.
+    pub fn set(&mut self, name: &str, value: impl Into<toml::Value>) {
+        self.record.parameters.insert(name.to_owned(), value.into());
+    }
+
+    /// Notes the patch that ran.
+    pub fn patch(&mut self, name: &str, sha256: &str) {
+        self.record.patch = Some(crate::run_dir::PatchIdentity {
+            name: name.to_owned(),
+            sha256: sha256.to_owned(),
+        });
+    }
+
+    /// A further small file.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn file(&self, name: &str, text: &str) -> Result<PathBuf, Failure> {
+        self.directory.write_file(name, text.as_bytes())?;
+        Ok(self.directory.file(name))
+    }
+}
