@@ -118,9 +118,9 @@ fn rewired(changes: &[(&str, &str)]) -> Patches {
 fn a_flipped_sign_of_the_damping_makes_the_matching_claims_fail() {
     let normal = plan(&[NORMAL]);
     let rate = rewired(&[("\"-tvc_lead\"", "\"tvc_lead\""), ("\"-fin_lead\"", "\"fin_lead\"")]);
-    assert!(failing(&judged(&normal, &rate)).contains(&"P1"));
+    assert!(failing(&judged(&normal, &rate)).iter().any(|id| id == "P1"));
     let structure = rewired(&[("\"-eta_drag\"", "\"eta_drag\"")]);
-    assert!(failing(&judged(&normal, &structure)).contains(&"P5"));
+    assert!(failing(&judged(&normal, &structure)).iter().any(|id| id == "P5"));
 }
 
 /// With the thrust vector always at work its poor lead spoils the normal step, and
