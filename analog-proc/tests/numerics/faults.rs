@@ -6,7 +6,6 @@ use analog_proc::block::kind::*;
 use analog_proc::net::{Expected, Level};
 use analog_proc::static_check::static_check;
 use engine::fault::RunFault;
-use engine::simulation::Simulation;
 use engine::{
     id::{BlockId, NetId},
     integration::{Method, OverloadPolicy},
