@@ -1,7 +1,7 @@
 //! What stops a run or is told of it: each fault with its block and its instant.
 
 use crate::{Bench, OSCILLATOR, bench::ordered, close};
-use analog_proc::static_check::static_check;
+use analog_proc::session::static_check::static_check;
 use engine::{
     fault::RunFault,
     integration::{Integration, OverloadPolicy},
