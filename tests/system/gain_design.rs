@@ -1,6 +1,6 @@
 //! Gain design and sensitivity on the machine.
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},

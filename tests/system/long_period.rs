@@ -1,7 +1,7 @@
 //! The long-period study on the machine: its claims hold, and can fail.
 
 use crate::bench_top::{BenchTop, expect};
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use desk::claim::Verdict;
 use digital_proc::{
     console::Console,

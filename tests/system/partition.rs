@@ -1,6 +1,6 @@
 //! The partitioned machine against the same equations integrated as one system.
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::Console,
     executive::Rate,

@@ -1,7 +1,7 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
 use super::{Failure, PatchArgs, is_coloured};
-use crate::{net::Kind, order::Ordered, patch, static_check::static_check};
+use crate::{net::Kind, order::Ordered, patch, session::static_check::static_check};
 use desk::{command_line::CHECK_FAILED, say};
 use interface::control::StaticCheckLine;
 

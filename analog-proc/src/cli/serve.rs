@@ -1,7 +1,7 @@
 //! `analog-proc serve`: the analog side of a session.
 
 use super::Failure;
-use crate::serve;
+use crate::session::serve;
 use desk::{
     command_line::{BAD_INPUT, INTERRUPTED, PARTNER_FAILED, expect_files, interrupt_flag},
     say,
