@@ -28,7 +28,7 @@ fn with_console<T>(work: impl FnOnce(&mut Console<'_>, &Profile) -> T) -> T {
         Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
             .unwrap();
     let mut console = Console::new(started.port());
-    let done = work(&mut console, &Profile::load("ideal").unwrap());
+    let done = work(&mut console, &desk::profile::load("ideal").unwrap());
     console.bye().unwrap();
     done
 }

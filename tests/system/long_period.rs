@@ -31,7 +31,7 @@ fn study(vehicle: &Vehicle, plan: &LongPeriodPlan) -> LongPeriodResults {
 }
 
 fn shipped(modes: Vec<FlightScript>) -> LongPeriodPlan {
-    LongPeriodPlan::new(modes, Profile::load("ideal").unwrap())
+    LongPeriodPlan::new(modes, desk::profile::load("ideal").unwrap())
 }
 
 /// The design case alone, of the modes that decide L1, L2 and L3.

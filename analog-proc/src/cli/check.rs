@@ -3,7 +3,7 @@
 use super::{Failure, PatchArgs, is_coloured};
 use crate::{net::Kind, order::Ordered, patch, session::static_check::static_check};
 use desk::{command_line::CHECK_FAILED, say};
-use interface::{control::StaticCheckLine, profile::Profile};
+use interface::control::StaticCheckLine;
 
 /// Check a patch.
 #[derive(clap::Args)]
@@ -30,7 +30,7 @@ impl PatchArgs {
                 f.render()
             })
         };
-        let profile = Profile::load(&self.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let mut ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;

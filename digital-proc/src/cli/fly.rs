@@ -26,7 +26,7 @@ use desk::{
         DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, UtcSecond,
     },
 };
-use interface::{Tick, frame::Samples, profile::Profile};
+use interface::{Tick, frame::Samples};
 use std::{path::PathBuf, time::SystemTime};
 use vehicle::{
     Vehicle, failure_file::FailureFile, flight_mode::FlightMode, flight_summary::FlightSummary,
@@ -218,7 +218,7 @@ impl Fly {
 
     /// The command line as everything that the flight follows from.
     fn plan_record(&self, vehicle: &Vehicle) -> Result<PlanRecord, Failure> {
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let own =
             self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
         let script = own
