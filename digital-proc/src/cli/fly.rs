@@ -6,34 +6,26 @@ use crate::{
     flight::{
         AlphaPath, FlightFault, Stage, Timing,
         channels::Sampled,
-        pacing::Pacing,
         plan_record::{Pace, PlanFault, PlanRecord, WindName},
-        trace,
+        trace::{self, BATCH_ROWS, Recorder},
     },
     report::{
         flight::{FlightContext, flight_report},
         pacing::{pacing_section, pacing_text},
     },
-    saturation::Saturations,
 };
 use clap::ValueEnum;
 use desk::failure::Failure;
 use desk::{note, say};
 use desk::{
-    progress::Progress,
     report::Summary,
-    run_dir::{
-        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, UtcSecond,
-    },
+    run_dir::{DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRACE_FILE, UtcSecond},
 };
-use interface::{Tick, frame::Samples, profile::Profile};
+use interface::{Tick, profile::Profile};
 use std::{path::PathBuf, time::SystemTime};
 use vehicle::{
     Vehicle, failure_file::FailureFile, flight_mode::FlightMode, flight_summary::FlightSummary,
 };
-
-/// Rows in one batch of the trace: what a crash may cost.
-pub const BATCH_ROWS: usize = 64;
 
 /// Fly the first stage from lift-off to burn-out.
 #[derive(clap::Args)]
@@ -118,54 +110,26 @@ impl Fly {
         };
         let record = self.record(&plan_record, started, console.patch_hash())?;
         directory.write_record(&record)?;
-        let mut rows = directory.create_trace(&trace::columns(), BATCH_ROWS)?;
-        let mut paced = match self.clock {
-            Pace::LockStep => None,
-            Pace::Wall => Some((
-                directory.create_stream(TRANSFERS_FILE, &trace::transfer_columns(), BATCH_ROWS)?,
-                Pacing::new(plan_record.fast_frame()?),
-            )),
-        };
+        let rows = directory.create_stream(TRACE_FILE, &trace::columns(), BATCH_ROWS)?;
+        let mut recorder = Recorder::new(rows, plan.stop);
         let timing = match self.clock {
             Pace::LockStep => Timing::LockStep,
-            Pace::Wall => Timing::Wall,
-        };
-        let stop_s = plan.stop.secs();
-        let mut progress = Progress::new(stop_s as u64, "s of flight");
-        let mut saturations = Saturations::default();
-        let told = |frame: &Samples| {
-            if let Some((transfers, pacing)) = &mut paced {
-                pacing.observe(frame);
-                for transfer in frame.transfers() {
-                    transfers.push(transfer.tick, &trace::transfer_row(transfer))?;
-                }
+            Pace::Wall => {
+                recorder = recorder.paced(&directory, plan_record.fast_frame()?)?;
+                Timing::Wall
             }
-            Ok(())
         };
-        let flown =
-            stage.fly_timed(&mut console, &vehicle, &plan, timing, told, |frame, result| {
-                progress.at(result.sample.time_s as u64);
-                saturations.note(frame);
-                rows.push(frame.tick, &trace::row(frame, result))?;
-                Ok(())
-            });
-        progress.done();
-        let closed = rows.finish();
-        let pacing = match paced {
-            Some((transfers, pacing)) => {
-                transfers.finish()?;
-                Some(pacing)
-            }
-            None => None,
-        };
+        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut recorder);
+        let paced = recorder.pacing.clone();
+        let kept = recorder.finish();
         let summary = flown.map_err(|fault| {
             let failure = keep(fault.into());
-            match &pacing {
+            match &paced {
                 Some(pacing) => failure.and(pacing_text(pacing)),
                 None => failure,
             }
         })?;
-        closed?;
+        let (pacing, saturations) = kept?;
         let overloads = console.diagnose()?.overloads;
         let saturated = saturations.names(console.channels());
         console.bye()?;

@@ -1,19 +1,18 @@
 //! `digital-proc replay`: a recorded flight once more, compared bit by bit.
 
-use super::{Context, JoinArgs, fly::BATCH_ROWS, runs::open_run};
+use super::{Context, JoinArgs, runs::open_run};
 use crate::{
     console::{Console, ConsoleFault},
     flight::{
         FlightFault, Stage, Timing, TransferLog,
         plan_record::{Pace, PlanRecord},
-        trace,
+        trace::{self, BATCH_ROWS, Recorder},
     },
 };
 use desk::failure::Failure;
 use desk::say;
 use desk::{
     faults::Source,
-    progress::Progress,
     run_dir::{
         DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
         TRANSFERS_FILE, Trace, TraceWriter, first_difference,
@@ -94,27 +93,14 @@ impl Replay {
         }
         let mut bytes = Vec::new();
         let trace_path = directory.file(TRACE_FILE);
-        let mut rows = TraceWriter::new(&mut bytes, &trace_path, &trace::columns(), BATCH_ROWS)
-            .map_err(Failure::input)?;
+        let rows = TraceWriter::new(&mut bytes, &trace_path, &trace::columns(), BATCH_ROWS)?;
+        let mut recorder = Recorder::new(rows, plan.stop);
         let timing = match &transfers {
             None => Timing::LockStep,
             Some((log, _)) => Timing::Replay(log),
         };
-        let mut progress = Progress::new(plan.stop.secs() as u64, "s of flight");
-        let flown = stage.fly_timed(
-            &mut console,
-            &vehicle,
-            &plan,
-            timing,
-            |_| Ok(()),
-            |frame, result| {
-                progress.at(result.sample.time_s as u64);
-                rows.push(frame.tick, &trace::row(frame, result))?;
-                Ok(())
-            },
-        );
-        progress.done();
-        let closed = rows.finish();
+        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut recorder);
+        let closed = recorder.finish();
         // A flight that was lost is lost here too, at the same frame.
         let lost = match flown {
             Ok(_) => None,

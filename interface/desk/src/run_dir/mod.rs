@@ -168,22 +168,10 @@ impl RunDirectory {
         Ok(self.file(REPORT_FILE))
     }
 
-    /// Starts the trace `trace.arrow`.
+    /// Starts a trace of the given name.
     ///
     /// # Errors
     /// As [`TraceWriter::new`], or the file cannot be created.
-    pub fn create_trace(
-        &self,
-        columns: &[Column],
-        rows_per_batch: usize,
-    ) -> Result<TraceWriter<File>, TraceError> {
-        self.create_stream(TRACE_FILE, columns, rows_per_batch)
-    }
-
-    /// Starts a further trace of the given name.
-    ///
-    /// # Errors
-    /// As [`RunDirectory::create_trace`].
     pub fn create_stream(
         &self,
         name: &str,
