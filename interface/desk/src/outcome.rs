@@ -21,12 +21,15 @@ use crate::{
         Numbering, Section, Summary, Table, claims_table, claims_text, page, provenance,
         side_by_side,
     },
-    run_dir::{RunDirectory, RunRecord},
+    run_dir::{Curves, RunDirectory, RunRecord},
     say,
 };
 use maud::{Markup, html};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
+
+/// A table of more rows is folded on a page.
+const MOST_ROWS: usize = 60;
 
 /// What a command came to.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +44,10 @@ pub struct Outcome {
     pub claims: Vec<Claim>,
     /// What a reader of the numbers must know.
     pub remarks: Vec<String>,
+    /// What beside a claim that fails makes the command end with exit code 1.
+    pub refused: Vec<String>,
+    /// Curves by the name of their trace.
+    pub traces: Vec<(&'static str, Curves)>,
     /// The page's sections in order.
     sections: Vec<(String, Vec<Part>)>,
 }
@@ -176,14 +183,18 @@ impl Outcome {
         page(&self.title, &self.lead, &sections)
     }
 
-    /// What makes the command end with exit code 1: the claims that fail.
+    /// What makes the command end with exit code 1: the claims that fail, and what is refused.
     pub fn verdict(&self) -> Option<Failure> {
         let failed: Vec<&str> =
             self.claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| &*c.id).collect();
-        (!failed.is_empty()).then(|| Failure::failed("does not hold", &failed))
+        let claims = (!failed.is_empty()).then(|| Failure::failed("does not hold", &failed));
+        self.refused.iter().fold(claims, |all, refused| match all {
+            Some(failure) => Some(failure.and(refused)),
+            None => Some(Failure::failed(refused, &[])),
+        })
     }
 
-    /// Leaves record, summary, page and tables in the run's directory and says where; `json`
+    /// Leaves record, traces, tables, summary and page in the run's directory and says where; `json`
     /// prints the summary instead.
     ///
     /// # Errors
@@ -191,6 +202,9 @@ impl Outcome {
     pub fn publish(&self, run: &Run, json: bool) -> Result<(), Failure> {
         let directory = &run.directory;
         directory.write_record(&run.record)?;
+        for (name, curves) in &self.traces {
+            curves.write(directory, name)?;
+        }
         for (name, table) in self.tables() {
             directory.write_file(&format!("{name}.csv"), &table.csv().map_err(Failure::output)?)?;
         }
@@ -210,6 +224,11 @@ impl Outcome {
 impl Part {
     fn markup(&self, numbering: &mut Numbering) -> Markup {
         match self {
+            Part::Table { name, caption, table, .. } if table.rows.len() > MOST_ROWS => {
+                let rows = format!("{} rows", table.rows.len());
+                let folded = html! { details { summary { (rows) } (table.markup()) } };
+                numbering.table(name, caption, folded)
+            }
             Part::Table { name, caption, table, .. } => {
                 numbering.table(name, caption, table.markup())
             }
@@ -218,6 +237,7 @@ impl Part {
                 let all: Vec<Markup> = figures.iter().map(|f| f.markup(numbering)).collect();
                 side_by_side(&all)
             }
+            Part::Words { text, .. } if text.contains('\n') => html! { pre { (text) } },
             Part::Words { text, .. } => html! { p { (text) } },
             Part::Markup(markup) => markup.clone(),
         }
@@ -259,7 +279,7 @@ impl SectionOf<'_> {
         self
     }
 
-    /// A paragraph, on the terminal too.
+    /// A paragraph, on the terminal too; one of several lines keeps them.
     pub fn words(self, text: impl Into<String>) -> Self {
         self.0.push(Part::Words { text: text.into(), on_terminal: true });
         self

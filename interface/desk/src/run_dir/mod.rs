@@ -10,6 +10,7 @@
 //! writes into a directory that another run has claimed.
 
 mod compare;
+mod curves;
 mod error;
 mod export;
 mod list;
@@ -21,6 +22,7 @@ mod trace_reader;
 mod utc;
 
 pub use compare::{Difference, first_difference};
+pub use curves::Curves;
 pub use error::{RunDirError, TraceError};
 pub use export::write_csv;
 pub use list::{RunEntry, RunState, list_runs, resolve};
