@@ -36,12 +36,14 @@ use vehicle::{
 };
 
 /// How the angle of attack reaches the rotational equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum AlphaPath {
-    /// By the redundant analog integrator, corrected at the trajectory's rate.
+    /// Redundant analog integrator, corrected at the trajectory's rate
     Redundant,
-    /// From the flight-path angle held over a trajectory step.
+    /// From the flight-path angle held over a trajectory step
     Held,
 }
 

@@ -4,7 +4,7 @@ use super::{FrameResult, Observer, TransferLog, pacing::Pacing};
 use crate::linkage::saturation::Saturations;
 use desk::{
     progress::Progress,
-    run_dir::{Column, RunDirectory, TRANSFERS_FILE, Trace, TraceError, TraceWriter},
+    run_dir::{Column, Trace, TraceError, TraceWriter},
 };
 use interface::{
     Tick,
@@ -68,6 +68,12 @@ fn row(samples: &Samples, result: &FrameResult) -> [f64; COLUMNS.len()] {
     std::array::from_fn(|i| COLUMNS[i].2(samples, result))
 }
 
+/// The column of the transfers beside their ticks: the frame whose updates took effect.
+/// A frame number is exact as a float up to 2⁵³.
+pub fn transfer_columns() -> [Column; 1] {
+    [Column::new("frame", "")]
+}
+
 /// Keeps a flight frame by frame.
 pub struct Recorder<W: Write> {
     rows: TraceWriter<W>,
@@ -75,8 +81,7 @@ pub struct Recorder<W: Write> {
     transfers: Option<TraceWriter<File>>,
     /// On the wall clock.
     pub pacing: Option<Pacing>,
-    /// What was driven beyond its range.
-    pub saturations: Saturations,
+    saturations: Saturations,
     progress: Progress,
 }
 
@@ -93,26 +98,21 @@ impl<W: Write> Recorder<W> {
     }
 
     /// Keeps the transfers too, of a flight on the wall clock in frames of `frame`.
-    ///
-    /// # Errors
-    /// The file cannot be made.
-    pub fn paced(mut self, run: &RunDirectory, frame: Tick) -> Result<Recorder<W>, TraceError> {
-        // A frame number is exact as a float up to 2⁵³.
-        let columns = [Column::new("frame", "")];
-        self.transfers = Some(run.create_stream(TRANSFERS_FILE, &columns, BATCH_ROWS)?);
+    pub fn paced(mut self, transfers: TraceWriter<File>, frame: Tick) -> Recorder<W> {
+        self.transfers = Some(transfers);
         self.pacing = Some(Pacing::new(frame));
-        Ok(self)
+        self
     }
 
-    /// Ends the files.
+    /// Ends the files; what was driven beyond its range.
     ///
     /// # Errors
     /// They cannot be written.
-    pub fn finish(self) -> Result<(Option<Pacing>, Saturations), TraceError> {
+    pub fn finish(self) -> Result<Saturations, TraceError> {
         self.progress.done();
         self.rows.finish()?;
         self.transfers.map(TraceWriter::finish).transpose()?;
-        Ok((self.pacing, self.saturations))
+        Ok(self.saturations)
     }
 }
 

@@ -14,3 +14,5 @@ pub mod progress;
 pub mod report;
 #[cfg(feature = "runs")]
 pub mod run_dir;
+#[cfg(feature = "runs")]
+pub mod shell;

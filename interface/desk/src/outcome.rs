@@ -1,7 +1,8 @@
 //! What a command came to, and how it leaves the program: terminal, page, JSON, CSV.
 //!
-//! Every command fills an [`Outcome`] and nothing else; [`Outcome::publish`] alone knows how it
-//! is shown. Its JSON has one form for all of them:
+//! Every command fills an [`Outcome`] and nothing else; [`Outcome::publish`] and, where there is no
+//! run to keep, [`Outcome::tell`] alone know how it is shown. With `--json` every command writes one
+//! object to standard output, whatever becomes of it (`tests/outcome.schema.json`):
 //!
 //! ```text
 //! command   as in the list of runs, `sampling circle`
@@ -11,8 +12,12 @@
 //! tables    by name, each a list of rows keyed like `results`
 //! claims    id, sentence, criterion, measured, verdict, remark
 //! remarks   what a reader of the numbers must know
-//! error     null, or exit_code, text and the faults of a user's file
+//! error     null, or exit_code, text and the faults of a user's file: code, file, line, column,
+//!           fault, remedy
 //! ```
+//!
+//! A command that fails before it has an outcome ([`crate::shell`]) has all but `command`, `run`
+//! and `error` empty.
 
 use crate::{
     claim::{Claim, Verdict},
@@ -30,6 +35,8 @@ use std::path::{Path, PathBuf};
 
 /// A table of more rows is folded on a page.
 const MOST_ROWS: usize = 60;
+/// Rows that a page has of one table; its CSV file has all.
+const MOST_ON_PAGE: usize = 1_000;
 
 /// What a command came to.
 #[derive(Clone, Debug, Default)]
@@ -134,7 +141,10 @@ impl Outcome {
 
     /// On a terminal.
     pub fn text(&self) -> String {
-        let mut out = format!("{}\n", self.title);
+        let mut out = String::new();
+        if !self.title.is_empty() {
+            out.push_str(&format!("{}\n", self.title));
+        }
         out.push_str(&self.results.text());
         for part in self.parts() {
             match part {
@@ -208,16 +218,29 @@ impl Outcome {
         for (name, table) in self.tables() {
             directory.write_file(&format!("{name}.csv"), &table.csv().map_err(Failure::output)?)?;
         }
-        let failed = self.verdict();
-        let summary = self.json(&run.record.command, Some(directory.path()), failed.as_ref());
+        let summary =
+            self.json(&run.record.command, Some(directory.path()), self.verdict().as_ref());
         directory.write_summary(&summary)?;
         let report = directory.write_report(&self.page(&run.record))?;
-        if json {
-            say!("{summary:#}");
-        } else {
-            say!("{}report: {}", self.text(), report.display());
-        }
-        failed.map_or(Ok(()), Err)
+        let report = format!("{}report: {}", self.text(), report.display());
+        self.say(if json { format!("{summary:#}") } else { report }, json)
+    }
+
+    /// Prints the outcome of a command that keeps no run of its own; `run` is the one it looked at.
+    ///
+    /// # Errors
+    /// A claim that fails.
+    pub fn tell(&self, command: &str, run: Option<&Path>, json: bool) -> Result<(), Failure> {
+        let text = match json {
+            true => format!("{:#}", self.json(command, run, self.verdict().as_ref())),
+            false => self.text().trim_end().to_owned(),
+        };
+        self.say(text, json)
+    }
+
+    fn say(&self, text: String, is_told: bool) -> Result<(), Failure> {
+        say!("{text}");
+        self.verdict().map_or(Ok(()), |failure| Err(Failure { is_told, ..failure }))
     }
 }
 
@@ -225,8 +248,13 @@ impl Part {
     fn markup(&self, numbering: &mut Numbering) -> Markup {
         match self {
             Part::Table { name, caption, table, .. } if table.rows.len() > MOST_ROWS => {
-                let rows = format!("{} rows", table.rows.len());
-                let folded = html! { details { summary { (rows) } (table.markup()) } };
+                let (rows, shown) = (table.rows.len(), table.rows.len().min(MOST_ON_PAGE));
+                let first =
+                    Table { headings: table.headings.clone(), rows: table.rows[..shown].to_vec() };
+                let folded = html! { details {
+                    summary { @if shown < rows { "the first " (shown) " of " } (rows) " rows" }
+                    (first.markup())
+                } };
                 numbering.table(name, caption, folded)
             }
             Part::Table { name, caption, table, .. } => {
