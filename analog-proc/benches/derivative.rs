@@ -20,13 +20,14 @@ mod common;
 
 use std::{hint::black_box, path::Path};
 
-use analog_proc::block::dac::DacPiece;
 use analog_proc::block::kind::Multiplier;
-use analog_proc::net::{Integration, Kind};
+use analog_proc::net::Kind;
 use analog_proc::patch::{bundle_from_path, compile};
-use analog_proc::simulation::Simulation;
 use common::{Patch, integrator};
 use criterion::{Criterion, criterion_group, criterion_main};
+use engine::element::dac::DacPiece;
+use engine::integration::Integration;
+use engine::simulation::Simulation;
 use interface::Tick;
 
 const A: [&[f64]; 6] = [
@@ -295,7 +296,7 @@ fn stage(c: &mut Criterion) {
     let bundle = bundle_from_path(&path).unwrap_or_else(|e| panic!("{}", e.render()));
     let ordered = compile(&bundle, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     let Integration { rtol, atol, .. } = ordered.netlist.integration;
-    let mut simulation = Simulation::new(&ordered).unwrap();
+    let mut simulation = ordered.simulation().unwrap();
     for (channel, value) in COEFFICIENTS {
         simulation.set_dcu(channel, value);
     }

@@ -9,9 +9,10 @@
 
 mod build;
 
-use crate::{
-    block::{dac::DacPiece, logic},
-    net::{NetId, Netlist},
+use crate::net::Netlist;
+use engine::{
+    element::{dac::DacPiece, logic},
+    id::NetId,
     simulation::Simulation,
 };
 use interface::{

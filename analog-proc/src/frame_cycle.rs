@@ -16,10 +16,9 @@
 //! quadrature: exact for a signal of fifth degree in the aperture. What precedes the start of the
 //! run, or the end of the scan before, counts as standing still.
 
-use crate::{
-    channels::Channels,
+use crate::{channels::Channels, free_run::FreeRun};
+use engine::{
     fault::RunFault,
-    free_run::FreeRun,
     mode::Mode,
     simulation::{Pulse, Simulation},
 };

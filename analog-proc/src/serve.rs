@@ -4,15 +4,12 @@
 //! are taken and transfers take effect ([`crate::frame_cycle`]).
 
 use crate::{
-    channels::Channels,
-    frame_cycle,
+    channels::Channels, frame_cycle, order::Ordered, patch, static_check::static_check, tolerance,
+};
+use engine::{
+    id::{BlockId, NetId},
     mode::Mode,
-    net::{BlockId, NetId},
-    order::Ordered,
-    patch,
     simulation::Simulation,
-    static_check::static_check,
-    tolerance,
 };
 use interface::{
     Tick,
@@ -187,7 +184,7 @@ impl Loaded {
         let mut ordered = patch::compile(&bundle, &params).map_err(|f| f.render())?;
         crate::check::against_profile(&ordered, &profile).map_err(|f| f.render())?;
         tolerance::apply(&mut ordered, profile.component_error());
-        let mut simulation = Simulation::new(&ordered).map_err(|f| f.to_string())?;
+        let mut simulation = ordered.simulation().map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
         let mut loaded =
             Loaded { bundle, profile, params, ics: Vec::new(), ordered, simulation, channels };

@@ -3,7 +3,8 @@
 //! What an operator did with a voltmeter before the first OPERATE: it finds a
 //! forgotten wire or a wrong sign before anything moves.
 
-use crate::{fault::RunFault, order::Ordered, simulation::Simulation};
+use crate::order::Ordered;
+use engine::{fault::RunFault, simulation::Simulation};
 use interface::control::StaticCheckLine;
 
 /// Resets the machine and compares every value that the patch expects.

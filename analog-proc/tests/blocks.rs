@@ -7,12 +7,12 @@
 
 mod common;
 
-use analog_proc::block::dac::DacPiece;
-use analog_proc::net::NetId;
 use analog_proc::order::Ordered;
 use analog_proc::patch::compile;
-use analog_proc::simulation::Simulation;
 use common::{close, tick};
+use engine::element::dac::DacPiece;
+use engine::id::NetId;
+use engine::simulation::Simulation;
 use interface::control::PatchBundle;
 
 struct Bench {
@@ -26,7 +26,7 @@ fn bench(blocks: &str) -> Bench {
         files: vec![("test.toml".into(), format!("[blocks]\n{blocks}"))],
     };
     let ordered = compile(&bundle, &[]).unwrap_or_else(|faults| panic!("{}", faults.render()));
-    let simulation = Simulation::new(&ordered).unwrap();
+    let simulation = ordered.simulation().unwrap();
     Bench { ordered, simulation }
 }
 

@@ -4,29 +4,21 @@
 //! order and holds the builder that all of them use. A compound block (lag, follower,
 //! backlash) becomes the wiring that a programmer would patch for it.
 
-pub(crate) mod curve;
-pub mod dac;
-pub(crate) mod delay;
-pub(crate) mod friction;
-pub(crate) mod integrator;
 pub mod kind;
-pub mod logic;
-pub(crate) mod pace;
-pub(crate) mod piecewise;
-pub(crate) mod source;
-pub(crate) mod surface;
 
 use self::kind::Storage;
-use curve::{Curve, Piece, band};
-use pace::Pace;
-use piecewise::Piecewise;
+use engine::element::curve::{Curve, Piece, band};
+use engine::element::pace::{self, Pace};
+use engine::element::piecewise::Piecewise;
 
-use crate::kernel::{Kernel, fold};
-use crate::machine::{Machine, Settle};
-use crate::net::{Block, BlockId, Input, Level};
-use crate::op::{Op, Slot, Term, behind, degrees, powers};
+use crate::net::{Block, Input, Level};
 use crate::order::Ordered;
-use crate::overload::OVERLOAD_FACTOR;
+use engine::id::BlockId;
+use engine::kernel::{Kernel, fold};
+use engine::machine::{Machine, Settle};
+use engine::op::{Op, Slot, Term, behind, degrees, powers};
+use engine::overload::OVERLOAD_FACTOR;
+use engine::{fault::RunFault, simulation::Simulation};
 
 /// The machine under construction.
 pub(crate) struct Lowering {
@@ -57,8 +49,18 @@ fn halvings(degree: u32) -> u8 {
     if degree <= JUDGED_AT_ENDS { 0 } else { (u32::BITS - (degree - 1).leading_zeros()) as u8 }
 }
 
+impl Ordered {
+    /// The machine that it is, in the initial condition.
+    ///
+    /// # Errors
+    /// Settings out of range, and whatever [`Simulation::reset`] finds.
+    pub fn simulation(&self) -> Result<Simulation, RunFault> {
+        Simulation::new(lower(self), self.netlist.integration)
+    }
+}
+
 /// Lowers an ordered net.
-pub(crate) fn lower(ordered: &Ordered) -> Machine {
+fn lower(ordered: &Ordered) -> Machine {
     let netlist = &ordered.netlist;
     let mut states = 0_u32;
     let mut slot_of_net = vec![u32::MAX; netlist.nets.len()];
@@ -198,7 +200,7 @@ impl Lowering {
         Term { slot: self.slot(input.net), c: input.coefficient }
     }
 
-    fn slot(&self, net: crate::net::NetId) -> Slot {
+    fn slot(&self, net: engine::id::NetId) -> Slot {
         self.m.slot_of_net[net.index()]
     }
 

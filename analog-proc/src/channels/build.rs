@@ -4,7 +4,8 @@
 //! once. Whether the profile has enough converters is checked before.
 
 use super::{AdcChannel, Channels, DacChannel, DcuChannel, Line, Saturations};
-use crate::{net::Netlist, simulation::Simulation};
+use crate::net::Netlist;
+use engine::simulation::Simulation;
 use interface::{
     control::{Channel, ChannelKind},
     hold::Hold,

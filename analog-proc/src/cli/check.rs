@@ -1,7 +1,7 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
 use super::{Failure, PatchArgs, is_coloured};
-use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
+use crate::{net::Kind, order::Ordered, patch, static_check::static_check};
 use desk::{command_line::CHECK_FAILED, say};
 use interface::{control::StaticCheckLine, profile::Profile};
 
@@ -42,7 +42,7 @@ impl PatchArgs {
 impl Check {
     pub fn execute(self) -> Result<(), Failure> {
         let Compiled { ordered, hash } = self.patch.compile()?;
-        let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
+        let mut simulation = ordered.simulation().map_err(Failure::input)?;
         let lines = static_check(&ordered, &mut simulation).map_err(Failure::input)?;
         let warnings = simulation.outlook();
         let disagree = lines.iter().filter(|l| !l.agrees).count();

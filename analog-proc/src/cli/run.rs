@@ -2,13 +2,12 @@
 
 use super::{Failure, PatchArgs, check::Compiled, estimate, expect_output, progress::Progress};
 use crate::{
-    fault::RunFault,
-    net::{Block, Kind, NetId},
+    net::{Block, Kind},
     patch::suggestion,
     record::{RecordFault, Recorder},
-    simulation::{Pulse, Simulation},
 };
 use desk::{command_line::interrupt_flag, note, say};
+use engine::{fault::RunFault, id::NetId, simulation::Pulse};
 use interface::Tick;
 use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering};
 
@@ -49,7 +48,7 @@ impl Run {
         let names = self.recorded(&ordered)?;
         estimate::check(&self.out, self.until, self.every, names.len() + 1)?;
         let nets: Vec<NetId> = names.iter().map(|(_, id)| *id).collect();
-        let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
+        let mut simulation = ordered.simulation().map_err(Failure::input)?;
         let write = |f: RecordFault| Failure::output(f);
         let interrupted = interrupt_flag().map_err(Failure::input)?;
         let mut recorder =

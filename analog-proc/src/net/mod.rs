@@ -4,32 +4,11 @@
 //! read-back. One block drives one net of the same name (a resolver drives two).
 //! All numbers are in problem units; parameters are already put in.
 
-mod integration;
-
 pub use crate::block::kind::{Kind, Wave};
-pub use integration::{Integration, Method, OverloadPolicy};
-
-/// Index of a net.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NetId(pub u32);
-
-/// Index of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct BlockId(pub u32);
-
-impl NetId {
-    /// As an index.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-impl BlockId {
-    /// As an index.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
+pub use engine::{
+    id::{BlockId, NetId},
+    integration::{Integration, Method, OverloadPolicy},
+};
 
 /// A byte range in one of the patch's files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -15,7 +15,11 @@ use super::settings;
 use super::text::{BlockText, PatchText};
 use super::value::{Data, Entry, Value};
 use crate::block::kind::{self, Constant, Storage};
-use crate::net::{Block, BlockId, Expected, Input, Integration, Kind, Net, NetId, Netlist, Span};
+use crate::net::{Block, Expected, Input, Kind, Net, Netlist, Span};
+use engine::{
+    id::{BlockId, NetId},
+    integration::Integration,
+};
 use inputs::inputs_of;
 use std::collections::HashMap;
 

@@ -2,12 +2,12 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "each user takes what it needs")]
 
-use analog_proc::block::logic::Edge;
-use analog_proc::fault::RunFault;
-use analog_proc::net::NetId;
 use analog_proc::order::Ordered;
 use analog_proc::patch::compile;
-use analog_proc::simulation::{Advance, Simulation};
+use engine::element::logic::Edge;
+use engine::fault::RunFault;
+use engine::id::NetId;
+use engine::simulation::{Advance, Simulation};
 use interface::Tick;
 use interface::control::PatchBundle;
 
@@ -26,7 +26,7 @@ pub fn ordered(text: &str) -> Result<Ordered, String> {
 
 impl Bench {
     pub fn of(ordered: Ordered) -> Bench {
-        let simulation = Simulation::new(&ordered).unwrap();
+        let simulation = ordered.simulation().unwrap();
         Bench { ordered, simulation }
     }
 

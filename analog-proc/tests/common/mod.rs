@@ -3,10 +3,14 @@
 #![allow(dead_code, clippy::unwrap_used, reason = "each user takes what it needs")]
 
 use analog_proc::block::kind::{Integrator, Interrupt, Switch};
-use analog_proc::net::{Integration, Kind, Method, NetId};
+use analog_proc::net::Kind;
 use analog_proc::order::Ordered;
 use analog_proc::patch::compile;
-use analog_proc::simulation::Simulation;
+use engine::simulation::Simulation;
+use engine::{
+    id::NetId,
+    integration::{Integration, Method},
+};
 use interface::Tick;
 use interface::control::PatchBundle;
 
@@ -105,6 +109,6 @@ impl Patch {
     }
 
     pub fn simulation(&self) -> Simulation {
-        Simulation::new(&self.ordered()).unwrap()
+        self.ordered().simulation().unwrap()
     }
 }

@@ -3,9 +3,10 @@
 use crate::common::{Patch, integrator, tick};
 use crate::oscillator;
 use analog_proc::block::kind::Constant;
-use analog_proc::fault::RunFault;
-use analog_proc::net::{Kind, Method, NetId};
-use analog_proc::simulation::{Pulse, Simulation};
+use analog_proc::net::Kind;
+use engine::fault::RunFault;
+use engine::simulation::{Pulse, Simulation};
+use engine::{id::NetId, integration::Method};
 use std::ops::ControlFlow;
 
 /// Passes after which an attendant is asked, of a patch of up to four states.

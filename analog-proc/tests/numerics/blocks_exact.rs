@@ -2,9 +2,10 @@
 
 use crate::common::{Patch, close, integrator, tick};
 use crate::edges;
-use analog_proc::block::dac::DacPiece;
 use analog_proc::block::kind::*;
-use analog_proc::net::{Level, NetId};
+use analog_proc::net::Level;
+use engine::element::dac::DacPiece;
+use engine::id::NetId;
 
 #[test]
 fn dead_zone_is_odd_and_limiter_corners_are_exact() {

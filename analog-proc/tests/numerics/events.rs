@@ -3,8 +3,9 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::edges;
 use analog_proc::block::kind::*;
-use analog_proc::fault::RunFault;
-use analog_proc::net::{Input, NetId, Span};
+use analog_proc::net::{Input, Span};
+use engine::fault::RunFault;
+use engine::id::NetId;
 
 /// Ball of height h and speed v that keeps `e` of its speed.
 fn ball(e: f64) -> Patch {

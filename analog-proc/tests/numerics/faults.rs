@@ -3,23 +3,27 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
 use analog_proc::block::kind::*;
-use analog_proc::fault::RunFault;
-use analog_proc::net::{BlockId, Expected, Level, Method, NetId, OverloadPolicy};
-use analog_proc::simulation::Simulation;
+use analog_proc::net::{Expected, Level};
+use analog_proc::static_check::static_check;
+use engine::fault::RunFault;
+use engine::{
+    id::{BlockId, NetId},
+    integration::{Method, OverloadPolicy},
+};
 
 #[test]
 fn undefined_numbers_are_faults() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut patch = Patch::new();
         patch.add("y", integrator(bad), &["-1 * y"]);
-        assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::NonFinite { .. })));
+        assert!(matches!(patch.ordered().simulation(), Err(RunFault::NonFinite { .. })));
         let mut patch = Patch::new();
         patch.add("c", Kind::Constant(Constant { value: bad }), &[]);
         patch.add("y", integrator(0.0), &["c"]);
-        assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::NonFinite { .. })));
+        assert!(matches!(patch.ordered().simulation(), Err(RunFault::NonFinite { .. })));
         let mut patch = oscillator(Method::DormandPrince);
         patch.integration.rtol = bad;
-        assert!(matches!(Simulation::new(&patch.ordered()), Err(RunFault::Setting { .. })));
+        assert!(matches!(patch.ordered().simulation(), Err(RunFault::Setting { .. })));
     }
     // dy/dt = y² from 1 is infinite at t = 1.
     let mut patch = Patch::new();
@@ -103,7 +107,7 @@ fn races_and_chatter_are_faults_not_hangs() {
     let mut patch = Patch::new();
     patch.add("q", Kind::FlipFlop(FlipFlop { initial: false }), &["nq", "q"]);
     patch.add("nq", Kind::Not(Not), &["q"]);
-    match Simulation::new(&patch.ordered()) {
+    match patch.ordered().simulation() {
         Err(RunFault::LogicRace { nets, .. }) => assert!(nets.contains(&"q".to_string())),
         other => panic!("{:?}", other.map(|_| ())),
     }
@@ -142,15 +146,22 @@ fn overload_is_latched_where_it_happens() {
 
 #[test]
 fn static_check_reports_what_differs() {
-    let mut simulation = oscillator(Method::DormandPrince).simulation();
+    let mut ordered = oscillator(Method::DormandPrince).ordered();
+    let mut simulation = ordered.simulation().unwrap();
     let item = |derivative| Expected {
         net: NetId(1),
         output: Some(0.0),
         derivative: Some(derivative),
         tolerance: 1e-12,
     };
-    assert!(simulation.static_check(&[item(-4.0)]).unwrap().is_empty());
-    let found = simulation.static_check(&[item(4.0)]).unwrap();
-    assert_eq!(found.len(), 1);
-    assert_eq!((found[0].derivative, found[0].found), (true, -4.0));
+    ordered.netlist.expected = vec![item(-4.0), item(4.0)];
+    let found = static_check(&ordered, &mut simulation).unwrap();
+    let seen: Vec<_> = found.iter().map(|l| (l.what.as_str(), l.found, l.agrees)).collect();
+    let wanted = [
+        ("output", 0.0, true),
+        ("derivative", -4.0, true),
+        ("output", 0.0, true),
+        ("derivative", -4.0, false),
+    ];
+    assert_eq!(seen, wanted);
 }

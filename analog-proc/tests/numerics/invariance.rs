@@ -2,9 +2,9 @@
 
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
-use analog_proc::block::dac::DacPiece;
 use analog_proc::block::kind::*;
-use analog_proc::net::{Method, NetId};
+use engine::element::dac::DacPiece;
+use engine::{id::NetId, integration::Method};
 
 fn lorenz() -> Patch {
     let mut patch = Patch::new();

@@ -15,10 +15,10 @@ mod faults;
 mod invariance;
 mod orders;
 
-use analog_proc::block::logic::Edge;
-use analog_proc::net::Method;
-use analog_proc::simulation::Simulation;
 use common::{Patch, integrator};
+use engine::element::logic::Edge;
+use engine::integration::Method;
+use engine::simulation::Simulation;
 
 /// Takes the interrupt edges so far.
 fn edges(simulation: &mut Simulation) -> Vec<Edge> {

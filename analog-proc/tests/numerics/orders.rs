@@ -3,7 +3,8 @@
 use crate::common::{Patch, close, integrator, tick};
 use crate::oscillator;
 use analog_proc::block::kind::Multiplier;
-use analog_proc::net::{Kind, Method, NetId};
+use analog_proc::net::Kind;
+use engine::{id::NetId, integration::Method};
 
 #[test]
 fn oscillator_and_decay_keep_eight_digits() {

@@ -1,9 +1,9 @@
 //! `function`, `function-2d`, `digital-function`: function generators, by tables.
 
 use super::*;
-use crate::block::curve::{self, Curve, band, pieces_of_table};
-use crate::block::piecewise::Piecewise;
-use crate::block::surface::{Cell, Table};
+use engine::element::curve::{self, Curve, band, pieces_of_table};
+use engine::element::piecewise::Piecewise;
+use engine::element::surface::{Cell, Table};
 
 kind! {
     Function(function) { x: Vec<f64>, y: Vec<f64> }

@@ -2,10 +2,11 @@
 
 use super::Fields;
 use crate::block::kind::{Inverter, Summer};
-use crate::net::{Input, Kind, Level, NetId, Span};
+use crate::net::{Input, Kind, Level, Span};
 use crate::patch::diagnostic::PatchFault;
 use crate::patch::number::{not_finite, wrong_type};
 use crate::patch::value::{Data, Value};
+use engine::id::NetId;
 
 impl Fields<'_, '_> {
     /// A net for logic control, without coefficient; `None` inside where it is left out.
