@@ -19,7 +19,7 @@ use crate::linkage::{
     executive::Rate,
 };
 use channels::StageChannels;
-use desk::run_dir::TraceError;
+use desk::run_dir::RunDirError;
 use interface::{
     Tick,
     control::{Clock, PatchBundle, RunSpec},
@@ -89,7 +89,7 @@ pub enum FlightFault {
     },
     /// The observer could not write its trace.
     #[error(transparent)]
-    Trace(#[from] TraceError),
+    Trace(#[from] RunDirError),
     /// Nothing was flown.
     #[error("the flight had no frame")]
     NoFrame,
@@ -219,7 +219,7 @@ pub trait Observer {
     ///
     /// # Errors
     /// The record cannot be kept, which ends the flight.
-    fn told(&mut self, _samples: &Samples) -> Result<(), TraceError> {
+    fn told(&mut self, _samples: &Samples) -> Result<(), RunDirError> {
         Ok(())
     }
 
@@ -227,11 +227,11 @@ pub trait Observer {
     ///
     /// # Errors
     /// As [`Observer::told`].
-    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), TraceError>;
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError>;
 }
 
 impl<F: FnMut(&Samples, &FrameResult)> Observer for F {
-    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), TraceError> {
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
         self(samples, result);
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::{FrameResult, Observer, TransferLog, pacing::Pacing};
 use crate::linkage::saturation::Saturations;
 use desk::{
     progress::Progress,
-    run_dir::{Column, Trace, TraceError, TraceWriter},
+    run_dir::{Column, RunDirError, Trace, TraceWriter},
 };
 use interface::{
     Tick,
@@ -108,7 +108,7 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// They cannot be written.
-    pub fn finish(self) -> Result<Saturations, TraceError> {
+    pub fn finish(self) -> Result<Saturations, RunDirError> {
         self.progress.done();
         self.rows.finish()?;
         self.transfers.map(TraceWriter::finish).transpose()?;
@@ -117,7 +117,7 @@ impl<W: Write> Recorder<W> {
 }
 
 impl<W: Write> Observer for Recorder<W> {
-    fn told(&mut self, samples: &Samples) -> Result<(), TraceError> {
+    fn told(&mut self, samples: &Samples) -> Result<(), RunDirError> {
         if let Some(pacing) = &mut self.pacing {
             pacing.observe(samples);
         }
@@ -129,7 +129,7 @@ impl<W: Write> Observer for Recorder<W> {
         Ok(())
     }
 
-    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), TraceError> {
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
         self.progress.at(result.sample.time_s as u64);
         self.saturations.note(samples);
         self.rows.push(samples.tick, &row(samples, result))

@@ -3,7 +3,7 @@
 use desk::{
     outcome::Figure,
     report::plot::{Axis, Limit, LineChart, Series, Size, line_chart},
-    run_dir::{Trace, TraceError},
+    run_dir::{RunDirError, Trace},
 };
 
 /// Anchor, quantity, unit, and curves as (column, legend, factor to the unit).
@@ -28,14 +28,14 @@ const VARIABLES: [Row; 10] = [
 ///
 /// # Errors
 /// The trace lacks a column.
-pub fn ten_variables(trace: &Trace, q_alpha_limit_padeg: f64) -> Result<Vec<Figure>, TraceError> {
+pub fn ten_variables(trace: &Trace, q_alpha_limit_padeg: f64) -> Result<Vec<Figure>, RunDirError> {
     let time_s = trace.time_s();
     let figure = |(id, quantity, unit, curves): Row| {
         let series = |&(column, name, factor): &(&str, &str, f64)| {
             let values: Vec<f64> = trace.column(column)?.iter().map(|v| v * factor).collect();
             Ok(Series::line(name, &time_s, &values))
         };
-        let series = curves.iter().map(series).collect::<Result<_, TraceError>>()?;
+        let series = curves.iter().map(series).collect::<Result<_, RunDirError>>()?;
         let mut chart =
             LineChart::new("", Axis::new("Time", "s"), Axis::new(quantity, unit), series);
         if id == "q-alpha" {

@@ -22,7 +22,7 @@ use crate::{
         channels::StageChannels, stage_patch,
     },
 };
-use desk::run_dir::TraceError;
+use desk::run_dir::RunDirError;
 use interface::{
     Tick,
     control::{ChannelKind, PatchBundle},
@@ -345,7 +345,7 @@ impl Observer for Watch {
         self.task.step(samples, result, updates);
     }
 
-    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), TraceError> {
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
         let (s, flown) = (&result.sample, &mut self.flown);
         if self.slow.due(samples.frame) {
             flown.pitch_rad.push(s.pitch_rad);

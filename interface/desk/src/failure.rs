@@ -114,13 +114,3 @@ impl From<crate::run_dir::RunDirError> for Failure {
         }
     }
 }
-
-#[cfg(feature = "runs")]
-impl From<crate::run_dir::TraceError> for Failure {
-    fn from(error: crate::run_dir::TraceError) -> Failure {
-        match error {
-            crate::run_dir::TraceError::Write { .. } => Failure::output(error),
-            other => Failure::input(other),
-        }
-    }
-}

@@ -22,6 +22,7 @@
 use crate::{
     claim::{Claim, Verdict},
     failure::Failure,
+    note,
     report::{
         Numbering, Section, Summary, Table, claims_table, claims_text, page, provenance,
         side_by_side,
@@ -236,6 +237,18 @@ impl Outcome {
             false => self.text().trim_end().to_owned(),
         };
         self.say(text, json)
+    }
+
+    /// The same where standard output is taken by what the command makes: JSON goes to standard
+    /// error, and words nowhere.
+    ///
+    /// # Errors
+    /// A claim that fails.
+    pub fn tell_beside(&self, command: &str, json: bool) -> Result<(), Failure> {
+        if json {
+            note!("{:#}", self.json(command, None, self.verdict().as_ref()));
+        }
+        self.verdict().map_or(Ok(()), |failure| Err(Failure { is_told: true, ..failure }))
     }
 
     fn say(&self, text: String, is_told: bool) -> Result<(), Failure> {

@@ -1,6 +1,6 @@
 //! Curves that a command keeps in memory until it ends, as a trace.
 
-use super::{Column, RunDirectory, TraceError};
+use super::{Column, RunDirError, RunDirectory};
 use interface::Tick;
 
 /// Rows in one batch of the trace.
@@ -33,7 +33,7 @@ impl Curves {
     ///
     /// # Errors
     /// Two columns of one name, or a file that cannot be written.
-    pub(crate) fn write(&self, directory: &RunDirectory, name: &str) -> Result<(), TraceError> {
+    pub(crate) fn write(&self, directory: &RunDirectory, name: &str) -> Result<(), RunDirError> {
         let mut trace = directory.create_stream(name, &self.columns, BATCH_ROWS)?;
         let rows = self.values.iter().map(Vec::len).max().unwrap_or(0);
         for i in 0..rows {
