@@ -203,14 +203,13 @@ impl<'c, 'p> Bench<'c, 'p> {
         let spec = RunSpec { frame, latency, skew, stop, from_ic: true, clock: Clock::LockStep };
         let mut saturations = Saturations::default();
         let mut frames = Vec::new();
-        self.console.operate::<ConsoleFault>(&spec, |samples, updates| {
+        self.console.run(&spec, &mut |samples: &Samples, updates: &mut Updates| {
             if saturations.note(samples) {
                 frames.push(samples.frame);
             }
             if samples.run_state() != RunState::Ended {
                 law(samples, updates);
             }
-            Ok(())
         })?;
         Ok((saturations, frames))
     }

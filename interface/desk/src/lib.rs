@@ -16,4 +16,6 @@ pub mod reader;
 pub mod report;
 #[cfg(feature = "runs")]
 pub mod run_dir;
+#[cfg(feature = "runs")]
+pub mod shell;
 pub mod user_file;

@@ -67,6 +67,24 @@ pub struct Diagnosis {
     pub overloads: Vec<Overload>,
 }
 
+/// What the digital side does in each frame of a run; a closure is a law without an `after`.
+///
+/// A law that cannot go on says [`ModeCommand::End`](interface::frame::ModeCommand::End) and keeps
+/// its reason, so that the run ends in good order and the session can go on.
+pub trait Law {
+    /// Fills the empty updates n from samples n; in the last frame (state `Ended`) they go nowhere.
+    fn frame(&mut self, samples: &Samples, updates: &mut Updates);
+
+    /// Once updates n are on their way, so that keeping records delays no transfer.
+    fn after(&mut self, _samples: &Samples) {}
+}
+
+impl<F: FnMut(&Samples, &mut Updates)> Law for F {
+    fn frame(&mut self, samples: &Samples, updates: &mut Updates) {
+        self(samples, updates);
+    }
+}
+
 /// One session seen from the digital side.
 pub struct Console<'p> {
     port: &'p mut dyn DigitalPort,
@@ -176,56 +194,30 @@ impl<'p> Console<'p> {
         }
     }
 
-    /// Runs one OPERATE period. `law` is called once a frame with samples n and
-    /// an empty updates n to fill; the last call (state `Ended`) has its updates
-    /// thrown away. Returns the samples at the end.
+    /// Runs one OPERATE period by `law` and returns the samples at its end.
     ///
     /// # Errors
-    /// [`ConsoleFault::RunFault`] when the analog run stops by itself, the law's
-    /// own error, or the link's.
-    pub fn operate<E: From<ConsoleFault>>(
-        &mut self,
-        spec: &RunSpec,
-        law: impl FnMut(&Samples, &mut Updates) -> Result<(), E>,
-    ) -> Result<Samples, E> {
-        self.operate_then(spec, law, |_, ()| Ok(()))
-    }
-
-    /// As [`Console::operate`]; what `law` made of a frame is handed to `after` once its
-    /// updates are on their way, so that keeping records delays no transfer.
-    ///
-    /// # Errors
-    /// As [`Console::operate`], and the error of `after`.
-    pub fn operate_then<R, E: From<ConsoleFault>>(
-        &mut self,
-        spec: &RunSpec,
-        mut law: impl FnMut(&Samples, &mut Updates) -> Result<R, E>,
-        mut after: impl FnMut(&Samples, R) -> Result<(), E>,
-    ) -> Result<Samples, E> {
+    /// [`ConsoleFault::RunFault`] when the analog run stops by itself, or the link's.
+    pub fn run(&mut self, spec: &RunSpec, law: &mut impl Law) -> Result<Samples, ConsoleFault> {
         self.done("OPERATE", &Request::Operate(spec.clone()))?;
         for frame in 0.. {
-            let samples = self.port.await_samples(frame).map_err(ConsoleFault::from)?;
-            if samples.frame != frame && samples.run_state() != RunState::Faulted {
-                return Err(
-                    ConsoleFault::LostFrames { expected: frame, found: samples.frame }.into()
-                );
+            let samples = self.port.await_samples(frame)?;
+            let state = samples.run_state();
+            if state == RunState::Faulted {
+                let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
+                return Err(ConsoleFault::RunFault { time: samples.tick, fault });
+            }
+            if samples.frame != frame {
+                return Err(ConsoleFault::LostFrames { expected: frame, found: samples.frame });
             }
             let mut updates = Updates::new(frame, samples.tick + spec.latency);
-            match samples.run_state() {
-                RunState::Ended => {
-                    let done = law(&samples, &mut updates)?;
-                    after(&samples, done)?;
-                    return Ok(samples);
-                }
-                RunState::Faulted => {
-                    let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
-                    return Err(ConsoleFault::RunFault { time: samples.tick, fault }.into());
-                }
-                RunState::Operate | RunState::Hold => {
-                    let done = law(&samples, &mut updates)?;
-                    self.port.send_updates(&updates).map_err(ConsoleFault::from)?;
-                    after(&samples, done)?;
-                }
+            law.frame(&samples, &mut updates);
+            if state != RunState::Ended {
+                self.port.send_updates(&updates)?;
+            }
+            law.after(&samples);
+            if state == RunState::Ended {
+                return Ok(samples);
             }
         }
         unreachable!("frames are counted in u64")
