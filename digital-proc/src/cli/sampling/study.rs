@@ -29,7 +29,7 @@ pub struct Loop {
 
 impl Measure for Loop {
     fn measure(&self, bench: &mut Bench<'_, '_>) -> Result<Outcome, Failure> {
-        let study = loop_study::load(&self.study).map_err(Failure::input)?;
+        let study = loop_study::load(&self.study)?;
         let folder = self.study.parent().unwrap_or(std::path::Path::new(""));
         let bundle = bundle_from_path(&folder.join(study.patch()))
             .map_err(|fault| Failure::input(study.patch_fault(fault.to_string())))?;
