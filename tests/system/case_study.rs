@@ -264,8 +264,9 @@ fn mistakes_are_told_with_file_line_and_the_nearest_name() {
     for (args, words) in [
         (vec!["case-study", "--study", bad], [place.as_str(), "did you mean `max-q`?"]),
         (vec!["short-period", "pitch", "--study", bad], [place.as_str(), "max-q"]),
-        (vec!["case-study", "--failures", bad], ["bad.toml:", "mode"]),
-        (vec!["case-study", "--vehicle", bad], ["bad.toml", ""]),
+        (vec!["case-study", "--failures", bad], ["this is a short-period study", "`mode`"]),
+        (vec!["case-study", "--vehicle", bad], ["not a vehicle", "short-period pitch --study"]),
+        (vec!["sampling", "loop", bad], ["not a loop study", "short-period pitch --study"]),
         (vec!["short-period", "pitch", "--point", "max-Q"], ["no point `max-Q`", "`max-q`"]),
         (
             vec!["short-period", "yaw-roll", "--condition", "tvc-slo"],
