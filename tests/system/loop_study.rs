@@ -1,7 +1,7 @@
 //! `sampling loop` as a user runs it: a damping is right or refused.
 
 use crate::bench_top::{BenchTop, DIGITAL, expect};
-use digital_proc::sampling::theory::C64;
+use digital_proc::lab::theory::C64;
 use serde_json::Value;
 
 /// Motor θ' = w, τ w' = K u − w with K = 2, τ = 0.15 s; u = 6 e − 0.2 w of the samples.

@@ -6,8 +6,7 @@ use crate::bench_top::{BenchTop, DIGITAL, expect};
 use analog_proc::serve::serve;
 use digital_proc::{
     console::Console,
-    launch::{AnalogEntry, LinkChoice, Started},
-    sampling::{
+    lab::{
         alpha::AlphaSetting,
         axes::{Axes, AxesSetting},
         bench::{Bench, BenchFault},
@@ -20,6 +19,7 @@ use digital_proc::{
             hold::Hold,
         },
     },
+    launch::{AnalogEntry, LinkChoice, Started},
 };
 use interface::{Tick, profile::Profile};
 
@@ -262,8 +262,8 @@ fn each_stage_of_a_channel_is_that_of_its_budget() {
     });
 }
 
-fn num(gain: f64, phase: f64) -> digital_proc::sampling::theory::C64 {
-    digital_proc::sampling::theory::C64::from_polar(gain, phase)
+fn num(gain: f64, phase: f64) -> digital_proc::lab::theory::C64 {
+    digital_proc::lab::theory::C64::from_polar(gain, phase)
 }
 
 const STUDY: &str = r#"title = "My servo"
@@ -361,7 +361,7 @@ fn experiments_run_from_the_command_line() {
 /// What may be digital: α can be sampled, the control of the pitch loop cannot at 150 ms.
 #[test]
 fn digital_control_loses_the_flight_that_analog_control_holds() {
-    use digital_proc::sampling::flight::{Partition, row};
+    use digital_proc::lab::flight::{Partition, row};
     use vehicle::{Vehicle, flight_mode::FlightMode, reference::FlightCase};
     let vehicle = Vehicle::shipped().unwrap();
     let case = FlightCase::design(&vehicle, FlightMode::Normal.script()).unwrap();

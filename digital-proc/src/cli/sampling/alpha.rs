@@ -5,7 +5,7 @@ use super::{
     curve::{self, ROOT_LIMIT},
     outcome::Outcome,
 };
-use crate::sampling::{
+use crate::lab::{
     alpha::AlphaSetting,
     bench::Bench,
     theory::{

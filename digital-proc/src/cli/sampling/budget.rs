@@ -1,7 +1,7 @@
 //! Error budget of one channel of the linkage.
 
 use super::{Measure, hold, outcome::Outcome};
-use crate::sampling::{
+use crate::lab::{
     bench::Bench,
     loop_back::{Response, Route, Stages, window},
     theory::hold::Hold,
@@ -100,7 +100,7 @@ impl Budget {
 fn ratio(a: Response, b: Response) -> Response {
     Response {
         gain: a.gain / b.gain,
-        phase_rad: crate::sampling::identify::angle_difference_rad(a.phase_rad, b.phase_rad),
+        phase_rad: crate::lab::identify::angle_difference_rad(a.phase_rad, b.phase_rad),
     }
 }
 
@@ -212,7 +212,7 @@ impl Measure for Budget {
         let exact = all.chain(&route).transfer(omega);
         if all.adc_bits.is_none() && all.dac_bits.is_none() {
             let phase =
-                crate::sampling::identify::angle_difference_rad(whole.phase_rad, exact.argument())
+                crate::lab::identify::angle_difference_rad(whole.phase_rad, exact.argument())
                     .to_degrees()
                     .abs();
             let gain = (whole.gain / exact.modulus() - 1.0).abs();

@@ -1,7 +1,7 @@
 //! The circle test: two integrators closed through the digital side.
 
 use super::{Measure, curve, hold, outcome::Outcome};
-use crate::sampling::{
+use crate::lab::{
     bench::Bench,
     feedback::CircleSetting,
     theory::{feedback_loop::FeedbackLoop, growth_per_cycle, hold::Hold},

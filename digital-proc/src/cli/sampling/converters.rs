@@ -1,7 +1,7 @@
 //! Quantisation noise, multiplexer skew, staircase coefficients.
 
 use super::{Measure, outcome::Outcome};
-use crate::sampling::{
+use crate::lab::{
     bench::Bench,
     converter_error::{CoefficientSetting, QuantisationSetting, SkewSetting},
 };

@@ -3,7 +3,7 @@
 use super::{Measure, outcome::Outcome};
 use crate::{
     cli::{Failure, vehicle_args::VehicleArgs},
-    sampling::{
+    lab::{
         bench::Bench,
         flight::{FlightRow, Partition, row},
     },

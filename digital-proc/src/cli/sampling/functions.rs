@@ -1,7 +1,7 @@
 //! Function generation and systems of axes.
 
 use super::{Measure, outcome::Outcome};
-use crate::sampling::{
+use crate::lab::{
     axes::{Axes, AxesRow, AxesSetting},
     bench::Bench,
     function_generation::{FunctionRow, FunctionSetting, Way},

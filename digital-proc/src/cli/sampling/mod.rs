@@ -15,7 +15,7 @@ use self::outcome::Outcome;
 use super::{Context, MachineArgs};
 use crate::{
     console::Console,
-    sampling::{
+    lab::{
         bench::{Bench, BenchFault},
         plan::LabError,
         theory::{TheoryError, hold::Hold},

@@ -3,7 +3,7 @@
 use super::{Measure, outcome::Outcome};
 use crate::{
     console::ConsoleFault,
-    sampling::{
+    lab::{
         bench::{Bench, BenchFault},
         loop_study::{self, LoopRow, Remark},
     },

@@ -337,7 +337,7 @@ impl AlphaSetting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::plain_machine::PlainMachine;
+    use crate::lab::plain_machine::PlainMachine;
 
     fn run(setting: &AlphaSetting) -> AlphaRow {
         let r = setting.loop_.rotation;

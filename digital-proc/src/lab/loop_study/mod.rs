@@ -159,7 +159,7 @@ impl LoopStudy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::{
+    use crate::lab::{
         feedback::{Compensation, RootSetting},
         plain_machine::PlainMachine,
         theory::damping_ratio,

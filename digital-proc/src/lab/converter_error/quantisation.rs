@@ -4,7 +4,7 @@
 //! reads back the DAC, an integrator and a lag driven by it: what is left after the law's
 //! own exact solution is the noise.
 
-use crate::sampling::{
+use crate::lab::{
     plan::{LabError, RunPlan, require, tick},
     theory::{hold::Hold, noise},
 };
@@ -173,7 +173,7 @@ fn variance(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::plain_machine::PlainMachine;
+    use crate::lab::plain_machine::PlainMachine;
 
     #[test]
     fn quantisation_variances_of_a_seeded_run() {

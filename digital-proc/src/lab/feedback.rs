@@ -311,7 +311,7 @@ fn pole(record: &[f64], frame_s: f64, per_cycle: f64, near: C64) -> Result<C64, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::plain_machine::PlainMachine;
+    use crate::lab::plain_machine::PlainMachine;
 
     /// The grid of the laboratory: 10…400 samples a cycle, latency 0…1, every hold.
     fn circle_grid() -> Vec<CircleSetting> {

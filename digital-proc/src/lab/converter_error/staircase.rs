@@ -1,6 +1,6 @@
 //! A coefficient that the digital side renews once a period, against its ramp.
 
-use crate::sampling::{
+use crate::lab::{
     plan::{LabError, RunPlan, tick},
     theory::{hold::Hold, noise},
 };

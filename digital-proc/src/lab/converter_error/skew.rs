@@ -3,7 +3,7 @@
 //! Sine and cosine of one turning angle pass a multiplexer with a skew between them; the
 //! angle formed of both is wrong by ωδ sin²θ.
 
-use crate::sampling::{
+use crate::lab::{
     identify::angle_difference_rad,
     plan::{LabError, RunPlan, tick},
     theory::{hold::Hold, noise},

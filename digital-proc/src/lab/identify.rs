@@ -6,7 +6,7 @@
 //! it finds every mode of a sampled free response, so that the settled and the dying
 //! modes are told apart rather than fitted together. Neither knows the theory.
 
-use crate::sampling::{
+use crate::lab::{
     modal_fit::ModalFit,
     theory::{C64, equivalent_root},
 };
@@ -242,7 +242,7 @@ pub fn oscillatory_pole(
 ) -> Result<C64, IdentifyError> {
     let oscillatory: Vec<C64> =
         poles(samples, period_s, floor)?.into_iter().filter(|s| s.im > 0.0).collect();
-    crate::sampling::theory::nearest_root(&oscillatory, near).ok_or(IdentifyError::NoOscillation)
+    crate::lab::theory::nearest_root(&oscillatory, near).ok_or(IdentifyError::NoOscillation)
 }
 
 /// Refuses fewer than `needed` samples, and what is no number.

@@ -1,7 +1,7 @@
 //! What one run of an experiment asks of the machine.
 
 use super::theory::{TheoryError, hold::Hold};
-use crate::sampling::identify::IdentifyError;
+use crate::lab::identify::IdentifyError;
 use interface::Tick;
 
 /// Patch, parameters and timing of one run; the reader maps it to a profile and a run request.
