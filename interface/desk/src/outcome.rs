@@ -18,15 +18,19 @@ use crate::{
     claim::{Claim, Verdict},
     failure::Failure,
     report::{
-        Numbering, Section, Summary, Table, claims_table, claims_text, page, provenance,
-        side_by_side,
+        Numbering, Section, Summary, Table, claims_table, claims_text, page,
+        plot::{LineChart, line_chart},
+        provenance, side_by_side,
     },
-    run_dir::{RunDirectory, RunRecord},
+    run_dir::{RunDirectory, RunRecord, Seed},
     say,
 };
 use maud::{Markup, html};
 use serde_json::{Map, Value, json};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 /// What a command came to.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +45,10 @@ pub struct Outcome {
     pub claims: Vec<Claim>,
     /// What a reader of the numbers must know.
     pub remarks: Vec<String>,
+    /// What was set, for the run's record.
+    pub parameters: toml::Table,
+    /// Seeds of random sources, for the same.
+    pub seeds: BTreeMap<String, Seed>,
     /// The page's sections in order.
     sections: Vec<(String, Vec<Part>)>,
 }
@@ -86,6 +94,16 @@ impl Outcome {
     /// Nothing yet.
     pub fn new(title: impl Into<String>, lead: impl Into<String>) -> Outcome {
         Outcome { title: title.into(), lead: lead.into(), ..Outcome::default() }
+    }
+
+    /// Notes a parameter of the run.
+    pub fn set(&mut self, name: &str, value: impl Into<toml::Value>) {
+        self.parameters.insert(name.to_owned(), value.into());
+    }
+
+    /// A statement about the run itself, true or false.
+    pub fn check(&mut self, id: &'static str, statement: impl Into<String>, holds: bool) {
+        self.claims.push(Claim::check(id, statement, holds));
     }
 
     /// The section of that title, begun if need be: what follows is put there.
@@ -140,7 +158,8 @@ impl Outcome {
         }
         if !self.claims.is_empty() {
             out.push_str(&format!("\n{}", claims_text(&self.claims)));
-            for claim in &self.claims {
+            // Of the others it stands beside the verdict.
+            for claim in self.claims.iter().filter(|c| c.holds()) {
                 if let Some(remark) = &claim.remark {
                     out.push_str(&format!("{}: {remark}\n", claim.id));
                 }
@@ -190,14 +209,17 @@ impl Outcome {
     /// A file that cannot be written; a claim that fails.
     pub fn publish(&self, run: &Run, json: bool) -> Result<(), Failure> {
         let directory = &run.directory;
-        directory.write_record(&run.record)?;
+        let mut record = run.record.clone();
+        record.parameters.extend(self.parameters.clone());
+        record.seeds.extend(self.seeds.clone());
+        directory.write_record(&record)?;
         for (name, table) in self.tables() {
             directory.write_file(&format!("{name}.csv"), &table.csv().map_err(Failure::output)?)?;
         }
         let failed = self.verdict();
-        let summary = self.json(&run.record.command, Some(directory.path()), failed.as_ref());
+        let summary = self.json(&record.command, Some(directory.path()), failed.as_ref());
         directory.write_summary(&summary)?;
-        let report = directory.write_report(&self.page(&run.record))?;
+        let report = directory.write_report(&self.page(&record))?;
         if json {
             say!("{summary:#}");
         } else {
@@ -251,6 +273,16 @@ impl SectionOf<'_> {
     pub fn figure(self, figure: Figure) -> Self {
         self.0.push(Part::Figure(figure));
         self
+    }
+
+    /// A figure of curves.
+    pub fn chart(
+        self,
+        id: impl Into<String>,
+        caption: impl Into<String>,
+        chart: &LineChart,
+    ) -> Self {
+        self.figure(Figure::new(id, caption, line_chart(chart)))
     }
 
     /// Figures side by side.
