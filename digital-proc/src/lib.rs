@@ -9,7 +9,7 @@ pub mod cli;
 pub mod console;
 pub mod executive;
 pub mod flight;
-pub mod lab;
+mod lab;
 pub mod launch;
 mod matrix_exp;
 pub mod report;

@@ -90,7 +90,7 @@ enum LinkName {
     Memory,
 }
 
-/// How the machine is put together.
+// How the machine is put together. (No doc comment: it would be the help of who flattens it.)
 #[derive(Args)]
 struct JoinArgs {
     /// How the two sides are joined
@@ -101,7 +101,7 @@ struct JoinArgs {
     attach: Option<String>,
 }
 
-/// What every command that runs the machine takes.
+// What every command that runs the machine takes.
 #[derive(Args)]
 struct MachineArgs {
     #[command(flatten)]

@@ -13,7 +13,7 @@
 //! answer to a small step of the attitude command at 20 s, found as the difference of two flights;
 //! a flight is lost where the attitude is further than [`LOST_RAD`] from its command.
 
-use super::{identify, theory::damping_ratio};
+use super::{identify, *};
 use crate::{
     console::Console,
     executive::Rate,
@@ -23,17 +23,15 @@ use crate::{
     },
 };
 use interface::{
-    Tick,
     control::{ChannelKind, PatchBundle},
     frame::{ModeCommand, Samples, Updates},
     profile::Profile,
 };
-use nalgebra::ComplexField;
-use serde::Serialize;
-use vehicle::{Vehicle, reference::FlightCase};
+use std::path::PathBuf;
+use vehicle::{Vehicle, flight_mode::FlightMode, reference::FlightCase};
 
 /// A flight further than this from its command is lost, rad (20 degrees).
-pub const LOST_RAD: f64 = 0.349_065_850_398_865_9;
+const LOST_RAD: f64 = 0.349_065_850_398_865_9;
 /// Step of the attitude command for the damping, rad (0.1 degree): small against the dead zone and
 /// the travel of the tips.
 const STEP_RAD: f64 = 1.745_329_251_994_329_5e-3;
@@ -44,10 +42,36 @@ const WINDOW_S: f64 = 5.0;
 /// Slowest sampling of the answer that still shows the loop of about 5 rad/s, s.
 const ANSWER_PERIOD_S: f64 = 0.05;
 
+/// The long-period flight with sampled alpha, redundant alpha and all control digital
+///
+/// The long-period flight on three machines, over the frame period: alpha redundant, alpha
+/// conventionally sampled, and all control digital.
+///
+/// Wind and misalignments are those of the design case. The damping of the pitch loop comes from a
+/// small step of the attitude command at 20 s, as the difference of two flights. Digital parts take
+/// effect one frame late; the redundant machine has five fast frames in a frame. A flight is lost
+/// where the attitude leaves its command by 20 degrees.
+#[derive(clap::Args)]
+pub struct Flight {
+    /// Frame periods
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "5ms,10ms,20ms,50ms,100ms,150ms,200ms",
+        value_name = "TIME"
+    )]
+    frame: Vec<Tick>,
+    /// End of each flight, after 25 s
+    #[arg(long, default_value = "40s", value_name = "TIME")]
+    until: Tick,
+    /// Vehicle data set of your own [default: the shipped first stage]
+    #[arg(long, value_name = "FILE")]
+    vehicle: Option<PathBuf>,
+}
+
 /// Which machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Partition {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Partition {
     /// Redundant analog integrator, five fast frames in T.
     RedundantAlpha,
     /// α computed digitally and held.
@@ -57,21 +81,15 @@ pub enum Partition {
 }
 
 impl Partition {
-    /// All, in the order of the tables.
-    pub const ALL: [Partition; 3] =
-        [Partition::RedundantAlpha, Partition::ConventionalAlpha, Partition::DigitalControl];
-
-    /// Name in tables and legends.
-    pub fn name(self) -> &'static str {
-        match self {
-            Partition::RedundantAlpha => "redundant α",
-            Partition::ConventionalAlpha => "conventional α",
-            Partition::DigitalControl => "digital control",
-        }
-    }
+    /// All with their names, in the order of the tables.
+    const ALL: [(Partition, &'static str); 3] = [
+        (Partition::RedundantAlpha, "redundant α"),
+        (Partition::ConventionalAlpha, "conventional α"),
+        (Partition::DigitalControl, "digital control"),
+    ];
 
     /// The stage patch with this machine's blocks in place of the shipped ones.
-    pub fn patch(self) -> PatchBundle {
+    fn patch(self) -> PatchBundle {
         let mut bundle = stage_patch();
         let Some((_, text)) = bundle.files.first_mut() else {
             return bundle;
@@ -228,165 +246,133 @@ impl Task {
 }
 
 /// One flight.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Flown {
+#[derive(Default)]
+struct Flown {
     /// θ at the frames of T, rad.
-    pub pitch_rad: Vec<f64>,
+    pitch_rad: Vec<f64>,
     /// Greatest |Qα|, Pa·deg.
-    pub max_q_alpha_padeg: f64,
+    max_q_alpha_padeg: f64,
     /// Greatest |θ − θ_c|, rad.
-    pub worst_error_rad: f64,
+    worst_error_rad: f64,
     /// Greatest |φ|, rad.
-    pub worst_roll_rad: f64,
-    /// Whether it was lost.
-    pub lost: bool,
-    /// When it ended, s.
-    pub end_s: f64,
+    worst_roll_rad: f64,
+    lost: bool,
+    end_s: f64,
 }
 
 /// A machine at one frame, from a flight and a flight with a step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FlightRow {
-    /// Machine.
-    pub partition: Partition,
-    /// T, s.
-    pub frame_s: f64,
-    /// Damping of the answer to the step, if it oscillates and the flight came so far.
-    pub zeta: Option<f64>,
-    /// Its frequency, rad/s.
-    pub omega_rad_s: Option<f64>,
-    /// Greatest |Qα|, Pa·deg.
-    pub max_q_alpha_padeg: f64,
-    /// Greatest |θ − θ_c|, deg.
-    pub worst_error_deg: f64,
-    /// Greatest |φ|, deg: the roll loop is the fastest of the three, and the first to go.
-    pub worst_roll_deg: f64,
-    /// Whether the flight was lost.
-    pub lost: bool,
-    /// When it ended, s.
-    pub end_s: f64,
+struct Row {
+    machine: (Partition, &'static str),
+    frame_s: f64,
+    /// Root of the answer to the step, if it oscillates and the flight came so far.
+    root: Option<C64>,
+    flown: Flown,
+    /// The design limit of |Qα|, Pa·deg.
+    limit_padeg: f64,
 }
 
-/// Flies one machine to `stop`.
-///
-/// # Errors
-/// [`FlightFault`] from the machine; a lost flight is a result.
-pub fn fly(
-    console: &mut Console<'_>,
-    vehicle: &Vehicle,
-    case: &FlightCase,
-    partition: Partition,
-    (frame, stop): (Tick, Tick),
-    step_rad: f64,
-) -> Result<Flown, FlightFault> {
-    let fast = match partition {
-        Partition::RedundantAlpha => 5,
-        _ => 1,
-    };
-    let slow = Rate::every(fast).unwrap_or(Rate::FAST);
-    let fast_frame =
-        slow.fast_period(frame).ok_or(FlightFault::Periods { step: frame, fast_frames: fast })?;
-    let plan = FlightPlan {
-        case: case.clone(),
-        step: frame,
-        slow,
-        latency: fast_frame,
-        skew: Tick::ZERO,
-        stop,
-        alpha: match partition {
-            Partition::ConventionalAlpha => AlphaPath::Held,
-            _ => AlphaPath::Redundant,
-        },
-        profile: Profile::ideal(),
-    };
-    let mut stage = Stage::load_patch(console, vehicle, &plan.profile, partition.patch())?;
-    let theta_c = StageChannels::resolve(console)?.dac.theta_c;
-    let mut task = Task {
-        partition,
-        frame_s: frame.secs(),
-        filter_s: 1.0 / vehicle.data().bending.filter_corner_radps,
-        filtered: [0.0; 2],
-        theta_c,
-        step_rad,
-        channels: Extra::resolve(console, partition)?,
-        lost: false,
-    };
-    let mut flown = Flown {
-        pitch_rad: Vec::new(),
-        max_q_alpha_padeg: 0.0,
-        worst_error_rad: 0.0,
-        worst_roll_rad: 0.0,
-        lost: false,
-        end_s: 0.0,
-    };
-    let summary = stage.fly_with(
-        console,
-        vehicle,
-        &plan,
-        |samples, result, updates| task.step(samples, result, updates),
-        |samples, result| {
-            let s = &result.sample;
-            if slow.due(samples.frame) {
-                flown.pitch_rad.push(s.pitch_rad);
-            }
-            let away = (s.pitch_rad - s.pitch_command_rad).abs();
-            flown.worst_error_rad = flown.worst_error_rad.max(away);
-            let roll = result.attitude.angle_rad[2].abs();
-            flown.worst_roll_rad = flown.worst_roll_rad.max(roll);
-            flown.end_s = s.time_s;
-            Ok(())
-        },
-    );
-    match summary {
-        Ok(summary) => flown.max_q_alpha_padeg = summary.max_q_alpha.value,
-        // A tumbling stage leaves the trajectory's range: lost as well.
-        Err(FlightFault::Trajectory(_)) => task.lost = true,
-        Err(fault) => return Err(fault),
+impl Row {
+    fn max_q_alpha_kpadeg(&self) -> f64 {
+        1e-3 * self.flown.max_q_alpha_padeg
     }
-    flown.lost = task.lost;
-    Ok(flown)
 }
 
-/// Two flights of one machine: damping, loads, and whether it holds.
-///
-/// # Errors
-/// [`FlightFault`] from the machine.
-pub fn row(
-    console: &mut Console<'_>,
-    vehicle: &Vehicle,
-    case: &FlightCase,
-    partition: Partition,
-    (frame, stop): (Tick, Tick),
-) -> Result<FlightRow, FlightFault> {
-    let base = fly(console, vehicle, case, partition, (frame, stop), 0.0)?;
-    let stepped = fly(console, vehicle, case, partition, (frame, stop), STEP_RAD)?;
-    let from = (STEP_AT_S / frame.secs()).ceil() as usize + 1;
-    let to = from + (WINDOW_S / frame.secs()).ceil() as usize;
-    let answer: Vec<f64> = base
-        .pitch_rad
-        .iter()
-        .zip(&stepped.pitch_rad)
-        .take(to)
-        .skip(from)
-        .map(|(a, b)| b - a)
-        .collect();
-    let pole = dominant(&answer, frame.secs());
-    Ok(FlightRow {
-        partition,
-        frame_s: frame.secs(),
-        zeta: pole.map(damping_ratio),
-        omega_rad_s: pole.map(|s| s.modulus()),
-        max_q_alpha_padeg: base.max_q_alpha_padeg,
-        worst_error_deg: base.worst_error_rad.to_degrees(),
-        worst_roll_deg: base.worst_roll_rad.to_degrees(),
-        lost: base.lost,
-        end_s: base.end_s,
-    })
+impl Flight {
+    /// Flies one machine; a lost flight is a result.
+    fn fly(
+        &self,
+        console: &mut Console<'_>,
+        (vehicle, case): (&Vehicle, &FlightCase),
+        partition: Partition,
+        frame: Tick,
+        step_rad: f64,
+    ) -> Result<Flown, FlightFault> {
+        let fast = match partition {
+            Partition::RedundantAlpha => 5,
+            _ => 1,
+        };
+        let slow = Rate::every(fast).unwrap_or(Rate::FAST);
+        let fast_frame = slow
+            .fast_period(frame)
+            .ok_or(FlightFault::Periods { step: frame, fast_frames: fast })?;
+        let plan = FlightPlan {
+            case: case.clone(),
+            step: frame,
+            slow,
+            latency: fast_frame,
+            skew: Tick::ZERO,
+            stop: self.until,
+            alpha: match partition {
+                Partition::ConventionalAlpha => AlphaPath::Held,
+                _ => AlphaPath::Redundant,
+            },
+            profile: Profile::ideal(),
+        };
+        let mut stage = Stage::load_patch(console, vehicle, &plan.profile, partition.patch())?;
+        let theta_c = StageChannels::resolve(console)?.dac.theta_c;
+        let mut task = Task {
+            partition,
+            frame_s: frame.secs(),
+            filter_s: 1.0 / vehicle.data().bending.filter_corner_radps,
+            filtered: [0.0; 2],
+            theta_c,
+            step_rad,
+            channels: Extra::resolve(console, partition)?,
+            lost: false,
+        };
+        let mut flown = Flown::default();
+        let summary = stage.fly_with(
+            console,
+            vehicle,
+            &plan,
+            |samples, result, updates| task.step(samples, result, updates),
+            |samples, result| {
+                let s = &result.sample;
+                if slow.due(samples.frame) {
+                    flown.pitch_rad.push(s.pitch_rad);
+                }
+                let away = (s.pitch_rad - s.pitch_command_rad).abs();
+                flown.worst_error_rad = flown.worst_error_rad.max(away);
+                let roll = result.attitude.angle_rad[2].abs();
+                flown.worst_roll_rad = flown.worst_roll_rad.max(roll);
+                flown.end_s = s.time_s;
+                Ok(())
+            },
+        );
+        match summary {
+            Ok(summary) => flown.max_q_alpha_padeg = summary.max_q_alpha.value,
+            // A tumbling stage leaves the trajectory's range: lost as well.
+            Err(FlightFault::Trajectory(_)) => task.lost = true,
+            Err(fault) => return Err(fault),
+        }
+        flown.lost = task.lost;
+        Ok(flown)
+    }
+
+    /// Two flights of one machine: damping, loads, and whether it holds.
+    fn run(
+        &self,
+        bench: &mut Bench<'_, '_>,
+        flight: (&Vehicle, &FlightCase),
+        machine: (Partition, &'static str),
+        frame: Tick,
+    ) -> Result<Row, LabError> {
+        let console = bench.console(&stage_patch().root);
+        let flown = self.fly(console, flight, machine.0, frame, 0.0)?;
+        let stepped = self.fly(console, flight, machine.0, frame, STEP_RAD)?;
+        let frame_s = frame.secs();
+        let from = (STEP_AT_S / frame_s).ceil() as usize + 1;
+        let window = (WINDOW_S / frame_s).ceil() as usize;
+        let both = flown.pitch_rad.iter().zip(&stepped.pitch_rad);
+        let answer: Vec<f64> = both.skip(from).take(window).map(|(a, b)| b - a).collect();
+        let limit_padeg = flight.0.data().limits.q_alpha_padeg;
+        Ok(Row { machine, frame_s, root: dominant(&answer, frame_s), flown, limit_padeg })
+    }
 }
 
 /// The oscillation of an answer between 1 and 15 rad/s that has the most energy; the plant's slow
 /// change stands below the floor of 1e-3.
-fn dominant(answer: &[f64], frame_s: f64) -> Option<super::theory::C64> {
+fn dominant(answer: &[f64], frame_s: f64) -> Option<C64> {
     let stride = (ANSWER_PERIOD_S / frame_s).round().max(1.0) as usize;
     let thinned: Vec<f64> = answer.iter().step_by(stride).copied().collect();
     let changes: Vec<f64> = thinned.windows(2).map(|w| w[1] - w[0]).collect();
@@ -395,6 +381,96 @@ fn dominant(answer: &[f64], frame_s: f64) -> Option<super::theory::C64> {
     identify::strongest(&changes, period_s, &roots, |s| {
         s.im > 0.0 && (1.0..15.0).contains(&s.modulus())
     })
+}
+
+impl Experiment for Flight {
+    const NAME: &'static str = "flight";
+    const TITLE: &'static str = "The flight against the frame period";
+    const LEAD: &'static str = "The same stage in the same wind on three machines: what is sampled \
+        decides what frame period the flight can bear.";
+
+    fn measure(&self, bench: &mut Bench<'_, '_>, outcome: &mut Outcome) -> Result<(), Failure> {
+        let own = self.vehicle.as_deref().map(Vehicle::load);
+        let vehicle = own.unwrap_or_else(Vehicle::shipped).map_err(Failure::input)?;
+        if self.until < Tick::SECOND * 25 {
+            return Err(Failure::input(
+                "--until must be at least 25s, the step of the command comes at 20 s",
+            ));
+        }
+        if let Some(bad) = self.frame.iter().find(|f| f.0 < 1_000_000 || f.0 > 500_000_000) {
+            return Err(Failure::input(format!("--frame {bad} is not between 1ms and 500ms")));
+        }
+        let case =
+            FlightCase::design(&vehicle, FlightMode::Normal.script()).map_err(Failure::input)?;
+        outcome.set("until", self.until.to_string());
+        let cases = Partition::ALL.into_iter().flat_map(|m| self.frame.iter().map(move |f| (m, f)));
+        let rows = bench.each(cases, |bench, (machine, frame)| {
+            self.run(bench, (&vehicle, &case), machine, *frame)
+        })?;
+        let columns = [
+            Column::new("machine", "", |r: &Row| r.machine.1.into()),
+            Column::new("frame", "ms", |r| (1e3 * r.frame_s).into()),
+            Column::of("zeta", "", 3, |r| r.root.map(damping_ratio).into()),
+            Column::of("omega", "rad/s", 3, |r| r.root.map(|s| s.modulus()).into()),
+            Column::new("greatest Q alpha", "kPa deg", |r| r.max_q_alpha_kpadeg().into()),
+            Column::of("of the limit", "%", 3, |r| {
+                (100.0 * r.flown.max_q_alpha_padeg / r.limit_padeg).into()
+            }),
+            Column::of("greatest attitude error", "deg", 3, |r| {
+                r.flown.worst_error_rad.to_degrees().into()
+            }),
+            Column::of("greatest roll", "deg", 3, |r| r.flown.worst_roll_rad.to_degrees().into()),
+            Column::new("flight", "", |r| match &r.flown {
+                Flown { lost: true, end_s, .. } => format!("lost at {end_s:.1} s").into(),
+                _ => "held".into(),
+            }),
+        ];
+        let caption = "Three machines over the frame period.";
+        outcome.section("Numbers").table("flight", caption, Table::of(&columns, &rows));
+        let chart = |title: &str, y: Axis, value: fn(&Row) -> f64| {
+            let series = Partition::ALL.map(|machine| {
+                let of = rows.iter().filter(|r| r.machine == machine);
+                let points = of.map(|r| (1e3 * r.frame_s, value(r)));
+                Series::of(machine.1, points).draw(Draw::LineAndMarkers)
+            });
+            LineChart::new(title, Axis::new("frame period", "ms").log(), y, series.into())
+        };
+        let limit = 1e-3 * vehicle.data().limits.q_alpha_padeg;
+        let q_alpha = Axis::new("greatest |Qα|", "kPa·°").log();
+        for (id, caption, chart) in [
+            (
+                "damping",
+                "Damping of the pitch loop at 20 s, from the answer to a small step of the command; a missing marker is an answer without an oscillation between 1 and 15 rad/s.",
+                chart("What may be digital", damping_axis(), |r| {
+                    r.root.map_or(f64::NAN, damping_ratio)
+                })
+                .limit(0.0, "stability"),
+            ),
+            (
+                "q-alpha",
+                "Greatest |Qα| of the flight; a lost flight counts up to where it was lost.",
+                chart("Load indicator Qα", q_alpha, Row::max_q_alpha_kpadeg)
+                    .limit(limit, "design limit"),
+            ),
+            (
+                "attitude-error",
+                "Greatest distance of the pitch attitude from its command; a flight is lost at 20°.",
+                chart("Attitude error", Axis::new("greatest |θ − θc|", "°").log(), |r| {
+                    r.flown.worst_error_rad.to_degrees()
+                }),
+            ),
+            (
+                "roll",
+                "Greatest roll angle. The roll loop is the fastest of the three: sampled one frame late it oscillates long before the pitch loop is lost, within the limits of its tips, and takes their travel from pitch and yaw.",
+                chart("Roll", Axis::new("greatest |φ|", "°").log(), |r| {
+                    r.flown.worst_roll_rad.to_degrees()
+                }),
+            ),
+        ] {
+            outcome.section("Figures").chart(id, caption, &chart);
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -1,17 +1,13 @@
-//! Identification of what a run did: sinusoids, poles, growth.
+//! Identification of what a run did, without a word from theory.
 //!
-//! [`fit_sine`] is the single-frequency least-squares fit of frequency-response
-//! testing; over whole periods mean, sine and cosine are orthogonal, so that
-//! harmonics and drift of other frequencies drop out. [`poles`] is the matrix pencil:
-//! it finds every mode of a sampled free response, so that the settled and the dying
-//! modes are told apart rather than fitted together. Neither knows the theory.
+//! [`poles`] is the matrix pencil: it finds every mode of a sampled free response, so that the
+//! settled and the dying modes are told apart rather than fitted together.
 
-use crate::lab::{
+use super::{
     modal_fit::ModalFit,
-    theory::{C64, equivalent_root},
+    theory::{C64, equivalent_root, nearest_root},
 };
-use nalgebra::{ComplexField, DMatrix, Matrix3, Schur, Vector3};
-use serde::Serialize;
+use nalgebra::{ComplexField, DMatrix, Schur};
 
 /// Why nothing could be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,68 +28,12 @@ pub enum IdentifyError {
         /// Its value.
         value: f64,
     },
-    /// The frequency cannot be told from the mean at these instants.
-    #[error("the samples do not determine a wave of {omega_rad_s} rad/s")]
-    Singular {
-        /// The frequency.
-        omega_rad_s: f64,
-    },
     /// No oscillatory mode in the record.
     #[error("the record has no oscillatory mode")]
     NoOscillation,
     /// A decomposition did not converge.
     #[error("the decomposition of the record did not converge")]
     NoConvergence,
-}
-
-/// `y = mean + amplitude · sin(ωt + phase)`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SineFit {
-    /// Mean.
-    pub mean: f64,
-    /// Amplitude ≥ 0.
-    pub amplitude: f64,
-    /// Phase, rad, (−π, π].
-    pub phase_rad: f64,
-    /// RMS of what the fit leaves.
-    pub residual_rms: f64,
-}
-
-/// Least-squares sine of known frequency; `times_s` and `values` have one length.
-///
-/// # Errors
-/// On fewer than four samples, non-finite ones, or instants that do not determine the wave.
-pub fn fit_sine(
-    times_s: &[f64],
-    values: &[f64],
-    omega_rad_s: f64,
-) -> Result<SineFit, IdentifyError> {
-    let n = times_s.len().min(values.len());
-    check(&values[..n], 4)?;
-    let mut normal = Matrix3::zeros();
-    let mut right = Vector3::zeros();
-    for (t, y) in times_s.iter().zip(values) {
-        let (s, c) = libm::sincos(omega_rad_s * t);
-        let row = Vector3::new(1.0, s, c);
-        normal += row * row.transpose();
-        right += row * *y;
-    }
-    let solution = normal.cholesky().ok_or(IdentifyError::Singular { omega_rad_s })?.solve(&right);
-    let (mean, s, c) = (solution[0], solution[1], solution[2]);
-    let square: f64 = times_s
-        .iter()
-        .zip(values)
-        .map(|(t, y)| {
-            let (sin, cos) = libm::sincos(omega_rad_s * t);
-            (y - mean - s * sin - c * cos).powi(2)
-        })
-        .sum();
-    Ok(SineFit {
-        mean,
-        amplitude: libm::hypot(s, c),
-        phase_rad: libm::atan2(c, s),
-        residual_rms: (square / n as f64).sqrt(),
-    })
 }
 
 /// Phase of `sin` and `cos` correlations `∫y sin ωt dt`, `∫y cos ωt dt` over whole periods, rad.
@@ -116,9 +56,6 @@ pub const SHORTEST: usize = 18;
 
 /// Equivalent roots `ln z / T` of every mode above `floor` (relative to the largest singular
 /// value; 1e-9 for a noise-free record, more for a quantised one), by the matrix pencil.
-///
-/// # Errors
-/// On a short or non-finite record, or when a decomposition does not converge.
 pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, IdentifyError> {
     Ok(factors(samples, floor)?
         .iter()
@@ -132,9 +69,6 @@ pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, Ide
 ///
 /// The Hankel matrix `Y[i][j] = y_{i+j}` of a sum of p exponentials has rank p and its row space
 /// is spanned by Vandermonde rows, whose shift has the z as eigenvalues.
-///
-/// # Errors
-/// As [`poles`].
 pub fn factors(samples: &[f64], floor: f64) -> Result<Vec<C64>, IdentifyError> {
     check(samples, SHORTEST)?;
     let y = &samples[..samples.len().min(LONGEST)];
@@ -231,9 +165,6 @@ fn right_singular_vectors(matrix: DMatrix<f64>) -> Option<(Vec<f64>, DMatrix<f64
 }
 
 /// The mode on the branch nearest to `near` in the upper half plane.
-///
-/// # Errors
-/// As [`poles`], and when no mode oscillates.
 pub fn oscillatory_pole(
     samples: &[f64],
     period_s: f64,
@@ -242,7 +173,7 @@ pub fn oscillatory_pole(
 ) -> Result<C64, IdentifyError> {
     let oscillatory: Vec<C64> =
         poles(samples, period_s, floor)?.into_iter().filter(|s| s.im > 0.0).collect();
-    crate::lab::theory::nearest_root(&oscillatory, near).ok_or(IdentifyError::NoOscillation)
+    nearest_root(&oscillatory, near).ok_or(IdentifyError::NoOscillation)
 }
 
 /// Refuses fewer than `needed` samples, and what is no number.
@@ -259,20 +190,6 @@ pub(super) fn check(values: &[f64], needed: usize) -> Result<(), IdentifyError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_sine_with_harmonics_over_whole_periods() {
-        let w = std::f64::consts::TAU / 2.0;
-        let t: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
-        let y: Vec<f64> =
-            t.iter().map(|t| 0.5 + 2.0 * (w * t + 0.3).sin() + 0.1 * (3.0 * w * t).cos()).collect();
-        let f = fit_sine(&t, &y, w).unwrap();
-        // Two whole periods: the harmonic is orthogonal, only rounding is left.
-        assert!((f.amplitude - 2.0).abs() < 1e-13);
-        assert!((f.phase_rad - 0.3).abs() < 1e-13);
-        assert!((f.mean - 0.5).abs() < 1e-13);
-        assert!((f.residual_rms - 0.1 / 2f64.sqrt()).abs() < 1e-12);
-    }
 
     #[test]
     fn three_modes_are_told_apart() {
@@ -321,6 +238,5 @@ mod tests {
         assert!(matches!(poles(&y, 0.1, 1e-9), Err(IdentifyError::NotFinite { index: 7, .. })));
         assert!(poles(&[0.0; 60], 0.1, 1e-9).is_err());
         assert!(oscillatory_pole(&[1.0; 60], 0.1, 1e-9, C64::new(0.0, 1.0)).is_err());
-        assert!(fit_sine(&[0.0; 9], &[1.0; 9], 3.0).is_err());
     }
 }

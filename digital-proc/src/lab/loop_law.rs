@@ -4,7 +4,7 @@ use super::{
     plan::{LabError, require},
     table::Table1,
 };
-use interface::frame::Updates;
+use interface::frame::{Samples, Updates};
 use std::collections::VecDeque;
 
 /// Longest delay and difference equation, frames.
@@ -39,9 +39,6 @@ pub enum Element {
 
 impl Element {
     /// A delay of `frames`.
-    ///
-    /// # Errors
-    /// When it is too long or the gain is not finite.
     pub fn delay(frames: u32, gain: f64) -> Result<Element, LabError> {
         require("the gain", gain, true, "finite")?;
         require(
@@ -54,9 +51,6 @@ impl Element {
     }
 
     /// A difference equation.
-    ///
-    /// # Errors
-    /// When it is empty or too long, or `a[0]` is zero, or a coefficient is not finite.
     pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, LabError> {
         let leading = denominator.first().copied().unwrap_or(0.0);
         require("the denominator's first coefficient", leading, leading != 0.0, "not zero")?;
@@ -113,12 +107,11 @@ impl LoopLaw {
         LoopLaw { measure, parts, record: Vec::new() }
     }
 
-    /// Frame n.
-    pub fn step(&mut self, _frame: u64, adc: &[f64], updates: &mut Updates) {
-        let at = |i: usize| adc.get(i).copied().unwrap_or(f64::NAN);
-        self.record.push(at(self.measure));
+    /// One frame.
+    pub fn step(&mut self, samples: &Samples, updates: &mut Updates) {
+        self.record.push(samples.adc[self.measure]);
         for (inputs, outputs, element) in &mut self.parts {
-            let x: Vec<f64> = inputs.iter().map(|i| at(*i)).collect();
+            let x: Vec<f64> = inputs.iter().map(|i| samples.adc[*i]).collect();
             let mut y = vec![0.0; outputs.len()];
             element.step(&x, &mut y);
             for (channel, value) in outputs.iter().zip(y) {

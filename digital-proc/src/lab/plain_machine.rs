@@ -3,14 +3,20 @@
 //! It solves `ẋ = A x + B y` by the Taylor series of the exponential applied to the state, in
 //! steps short against its norm: none of the block matrices of `theory` is used.
 
-use super::{plan::RunPlan, theory::hold::Hold};
-use interface::{Tick, frame::Updates};
+use super::{
+    plan::{LabError, Machine, RunPlan},
+    theory::hold::Hold,
+};
+use interface::{
+    Tick,
+    frame::{RunState, Samples, Updates},
+};
 
-pub(crate) struct PlainMachine {
+pub struct PlainMachine {
     a: Vec<Vec<f64>>,
     b: Vec<Vec<f64>>,
     c: Vec<Vec<f64>>,
-    pub(crate) x: Vec<f64>,
+    x: Vec<f64>,
     level: Vec<f64>,
     slope: Vec<f64>,
     last: Vec<f64>,
@@ -26,17 +32,27 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 impl PlainMachine {
     /// A n×n, B n×m by DAC channel, C p×n by ADC channel.
-    pub(crate) fn new(a: &[&[f64]], b: &[&[f64]], c: &[&[f64]], x: &[f64]) -> PlainMachine {
-        let m = b.first().map_or(0, |r| r.len());
+    pub fn new(a: &[&[f64]], b: &[&[f64]], c: &[&[f64]], x: &[f64]) -> PlainMachine {
+        let zero = vec![0.0; b[0].len()];
         PlainMachine {
             a: rows(a),
             b: rows(b),
             c: rows(c),
             x: x.to_vec(),
-            level: vec![0.0; m],
-            slope: vec![0.0; m],
-            last: vec![0.0; m],
+            level: zero.clone(),
+            slope: zero.clone(),
+            last: zero,
         }
+    }
+
+    /// `lab/root.toml`: `ẍ + 2ζω₀ẋ + y = 0` from x = 1, y being DAC 0 and x ADC 0.
+    pub fn second_order(omega0_rad_s: f64, zeta: f64) -> PlainMachine {
+        PlainMachine::new(
+            &[&[0.0, 1.0], &[0.0, -2.0 * zeta * omega0_rad_s]],
+            &[&[0.0], &[-1.0]],
+            &[&[1.0, 0.0]],
+            &[1.0, 0.0],
+        )
     }
 
     fn flow(&mut self, seconds: f64) {
@@ -53,45 +69,64 @@ impl PlainMachine {
                     .map(|i| (dot(&self.a[i], &term_x) + dot(&self.b[i], &term_y)) * scale)
                     .collect();
                 term_y = term_s.iter().map(|s| s * scale).collect();
-                term_s = vec![0.0; term_s.len()];
-                for (x, d) in self.x.iter_mut().zip(&next) {
-                    *x += d;
-                }
-                for (y, d) in self.level.iter_mut().zip(&term_y) {
-                    *y += d;
+                term_s.fill(0.0);
+                for (sum, term) in [(&mut self.x, &next), (&mut self.level, &term_y)] {
+                    sum.iter_mut().zip(term).for_each(|(sum, term)| *sum += term);
                 }
                 term_x = next;
             }
         }
     }
 
-    /// Runs the plan: sample, law, transfer at `t_n + τ`; a sample comes before a transfer.
-    pub(crate) fn run(&mut self, plan: &RunPlan, mut law: impl FnMut(u64, &[f64], &mut Updates)) {
-        let (frame, latency) = (plan.frame.secs(), plan.latency.secs());
-        let frames = plan.stop.0 / plan.frame.0;
-        for n in 0..u64::try_from(frames).unwrap() {
-            let adc: Vec<f64> = self.c.iter().map(|c| dot(c, &self.x)).collect();
+    fn transfer(&mut self, i: usize, new: f64, hold: Hold, frame_s: f64) {
+        (self.level[i], self.slope[i]) = match hold {
+            Hold::ZeroOrder => (new, 0.0),
+            Hold::Extrapolating => (new, (new - self.last[i]) / frame_s),
+            Hold::Interpolating => (self.last[i], (new - self.last[i]) / frame_s),
+        };
+        self.last[i] = new;
+    }
+}
+
+impl Machine for PlainMachine {
+    /// Sample, law, transfer at `t_n + τ`; a sample comes before a transfer.
+    fn run(
+        &mut self,
+        plan: &RunPlan,
+        law: &mut dyn FnMut(&Samples, &mut Updates),
+    ) -> Result<Vec<f64>, LabError> {
+        let (frame, latency) = (plan.spec.frame.secs(), plan.spec.latency.secs());
+        for n in 0..(plan.spec.stop.0 / plan.spec.frame.0).unsigned_abs() {
+            let mut samples = Samples::new(n, Tick::ZERO, RunState::Operate);
+            for (adc, c) in samples.adc.iter_mut().zip(&self.c) {
+                *adc = dot(c, &self.x);
+            }
             let mut updates = Updates::new(n, Tick::ZERO);
-            law(n, &adc, &mut updates);
+            law(&samples, &mut updates);
             self.flow(latency);
-            for i in 0..self.level.len() {
-                if updates.dac_mask >> i & 1 == 1 {
-                    let new = updates.dac[i];
-                    match plan.hold {
-                        Hold::ZeroOrder => self.level[i] = new,
-                        Hold::Extrapolating => {
-                            self.level[i] = new;
-                            self.slope[i] = (new - self.last[i]) / frame;
-                        }
-                        Hold::Interpolating => {
-                            self.level[i] = self.last[i];
-                            self.slope[i] = (new - self.last[i]) / frame;
-                        }
-                    }
-                    self.last[i] = new;
-                }
+            for i in (0..self.level.len()).filter(|i| updates.dac_mask >> i & 1 == 1) {
+                self.transfer(i, updates.dac[i], plan.hold, frame);
             }
             self.flow(frame - latency);
         }
+        Ok(Vec::new())
+    }
+}
+
+/// A machine whose ADCs read given functions of time and whose DACs do nothing.
+pub struct Readings<F>(pub F);
+
+impl<F: Fn(f64) -> [f64; 2]> Machine for Readings<F> {
+    fn run(
+        &mut self,
+        plan: &RunPlan,
+        law: &mut dyn FnMut(&Samples, &mut Updates),
+    ) -> Result<Vec<f64>, LabError> {
+        for n in 0..(plan.spec.stop.0 / plan.spec.frame.0).unsigned_abs() {
+            let mut samples = Samples::new(n, Tick::ZERO, RunState::Operate);
+            samples.adc[..2].copy_from_slice(&self.0(plan.spec.frame.secs() * n as f64));
+            law(&samples, &mut Updates::new(n, Tick::ZERO));
+        }
+        Ok(Vec::new())
     }
 }

@@ -35,9 +35,6 @@ fn check_breakpoints(x: &[f64]) -> Result<(), LabError> {
 
 impl Table1 {
     /// Breakpoints x, increasing, and as many values y.
-    ///
-    /// # Errors
-    /// On fewer than two points, lengths that differ or breakpoints that do not increase.
     pub fn new(x: Vec<f64>, y: Vec<f64>) -> Result<Table1, LabError> {
         check_breakpoints(&x)?;
         if x.len() != y.len() || y.iter().any(|v| !v.is_finite()) {
@@ -51,9 +48,6 @@ impl Table1 {
     }
 
     /// A straight line through the origin over ±`limit`.
-    ///
-    /// # Errors
-    /// When `limit` is not positive.
     pub fn line(slope: f64, limit: f64) -> Result<Table1, LabError> {
         Table1::new(vec![-limit, 0.0, limit], vec![-slope * limit, 0.0, slope * limit])
     }
@@ -80,9 +74,6 @@ pub struct Table2 {
 
 impl Table2 {
     /// Breakpoints of x and y, and `x.len() · y.len()` values.
-    ///
-    /// # Errors
-    /// As [`Table1::new`].
     pub fn new(x: Vec<f64>, y: Vec<f64>, z: Vec<f64>) -> Result<Table2, LabError> {
         check_breakpoints(&x)?;
         check_breakpoints(&y)?;
@@ -94,11 +85,6 @@ impl Table2 {
             });
         }
         Ok(Table2 { x, y, z })
-    }
-
-    /// Breakpoints of x.
-    pub fn breakpoints(&self) -> &[f64] {
-        &self.x
     }
 
     /// Ordinate at breakpoint `i` of x, for `y`: the c_i(M) of hybrid function generation.

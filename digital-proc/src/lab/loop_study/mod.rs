@@ -1,30 +1,7 @@
 //! A user's own loop study: one TOML file that names a patch, a digital law and a sweep.
 //!
-//! ```toml
-//! title = "My servo"
-//! patch = "servo.toml"            # beside this file
-//! stop = "20s"
-//! measure = "x_adc"               # ADC whose record is identified
-//! from = "0.5s"                   # the record's window, if it is not all of the run
-//! until = "10s"
-//!
-//! [params]                        # values for the patch's [params]
-//! wn = 3.0
-//!
-//! [sweep]
-//! frame = ["20ms", "50ms"]
-//! latency = [0.0, 1.0]            # frames
-//! bits = [8, 12, 0]               # 0: ideal converters (the default)
-//!
-//! [[law]]                         # one or more, computed in order
-//! kind = "gain-matrix"            # y = G x
-//! inputs = ["x_adc"]
-//! outputs = ["u"]
-//! gain = [[9.0]]
-//! ```
-//! Other kinds: `difference-equation` (`numerator`, `denominator`: Σ a_i y_{n−i} = Σ b_i x_{n−i}),
-//! `delay` (`frames`, `gain`), `table` (`x`, `y`), each with one input and one output. Every fault
-//! names the file and the line; all that can be judged without the patch are reported at once.
+//! What it may hold is told in the help of its command, [`Loop`]. Every fault names the file and
+//! the line; all that can be judged without the patch are reported at once.
 
 mod law_text;
 mod remark;
@@ -32,19 +9,65 @@ mod row;
 mod swing;
 mod text;
 
-pub use remark::Remark;
-pub use row::{LoopRow, Saturated, WORST_FIT};
-pub use swing::Swing;
-pub use text::{load, parse};
-
-use super::loop_law::{Element, LoopLaw};
-use desk::faults::{FileFault, FileFaults, Source, suggestion};
-use interface::{
-    Tick,
-    control::{Channel, ChannelKind},
+use self::{remark::Remark, row::LoopRow};
+use super::{
+    bench::chosen,
+    loop_law::{Element, LoopLaw},
+    theory::growth_per_cycle,
+    *,
 };
-use std::ops::Range;
+use crate::console::ConsoleFault;
+use desk::{
+    bundle::bundle_from_path,
+    faults::{FileFault, FileFaults, Source, suggestion},
+};
+use interface::control::{Channel, ChannelKind, PatchBundle};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
 use toml::Spanned;
+
+/// Your own loop: a patch and a digital law from a TOML file, over frames, latencies and bits
+///
+/// A loop of your own: a patch with ADC and DAC lines, and a digital law, from one TOML file.
+///
+///     title = "My servo"
+///     patch = "servo.toml"            # beside this file
+///     stop = "20s"
+///     measure = "x_adc"               # the ADC whose record is judged
+///     from = "0.5s"                   # what of it, if not all of the run
+///     until = "10s"
+///
+///     [params]                        # values for the patch's [params]
+///     wn = 3.0
+///
+///     [sweep]
+///     frame = ["20ms", "50ms"]
+///     latency = [0.0, 1.0]            # in frames
+///     bits = [8, 12, 0]               # 0: ideal converters; bits need `max` at ADC and DAC
+///
+///     [[law]]                         # one or more
+///     kind = "gain-matrix"            # y = G x
+///     inputs = ["x_adc"]
+///     outputs = ["u"]
+///     gain = [[9.0]]
+///
+/// Other kinds, each with one `input` and one `output`: `difference-equation` (`numerator`,
+/// `denominator`), `delay` (`frames`, `gain`), `table` (`x`, `y`). A fault names file and line.
+///
+/// The record must be a free decay, or a step response after the last change of the reference:
+/// state `from`. The column `fit` is what the modes found leave of it (rms over rms); where that
+/// is more than a linear loop and its converters leave, no damping is told, and a remark says why.
+/// A case that saturates is judged from there on.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+#[allow(rustdoc::invalid_rust_codeblocks, reason = "the help shows a TOML file")]
+pub struct Loop {
+    /// The study
+    #[arg(value_name = "STUDY.toml")]
+    study: PathBuf,
+}
 
 /// A channel by name, with its place for messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,7 +86,7 @@ struct LawSpec {
 /// A study that can run once the patch's channels are known.
 #[derive(Clone, Debug)]
 pub struct LoopStudy {
-    /// Title, or the file's name.
+    /// Its own, or the file's name.
     pub title: String,
     patch: Named,
     /// Values for the patch's `[params]`.
@@ -98,39 +121,30 @@ fn named(s: &Spanned<String>) -> Named {
 }
 
 impl LoopStudy {
-    /// Patch, relative to the study file.
-    pub fn patch(&self) -> &str {
-        &self.patch.name
-    }
-
-    /// The whole text.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
     fn source(&self) -> Source<'_> {
         Source { file: &self.file, text: &self.text }
     }
 
-    /// A fault of the patch, at the place where the study names it.
-    pub fn patch_fault(&self, fault: String) -> FileFault {
-        let remedy = "the path is relative to the study's own folder";
-        self.source().fault(self.patch.span.clone(), fault, remedy)
+    /// The patch, named relative to the study file.
+    fn bundle(&self, study: &Path) -> Result<PatchBundle, FileFault> {
+        let folder = study.parent().unwrap_or(Path::new(""));
+        bundle_from_path(&folder.join(&self.patch.name)).map_err(|fault| {
+            let remedy = "the path is relative to the study's own folder";
+            self.source().fault(self.patch.span.clone(), fault.to_string(), remedy)
+        })
     }
 
     /// What ended a run of `case` that is not the fault of the machine: a patch that refuses the
     /// study's parameters or converters, a record that says nothing.
-    pub fn case_fault(&self, case: &LoopCase, cause: &dyn std::fmt::Display) -> FileFault {
+    fn case_fault(&self, case: &LoopCase, cause: &LabError) -> FileFault {
         let fault = format!("frame {}, latency {}: {cause}", case.frame, case.latency);
         let remedy = "look at this study's patch, params, stop and sweep";
         self.source().fault(self.measure.span.clone(), fault, remedy)
     }
 
-    /// The law for one run, its channel names looked up in the loaded patch.
-    ///
-    /// # Errors
-    /// For every name that is no ADC or DAC of the patch.
-    pub fn law(&self, channels: &[Channel]) -> Result<LoopLaw, FileFaults> {
+    /// The law for one run, its channel names looked up in the loaded patch; faults for every
+    /// name that is no ADC or DAC of it.
+    fn law(&self, channels: &[Channel]) -> Result<LoopLaw, FileFaults> {
         let mut faults: Vec<FileFault> = Vec::new();
         let mut find = |n: &Named, kind: ChannelKind, what: &str| {
             let of_kind = || channels.iter().filter(|c| c.kind == kind);
@@ -156,13 +170,116 @@ impl LoopStudy {
     }
 }
 
+impl LoopStudy {
+    fn run(
+        &self,
+        bench: &mut Bench<'_, '_>,
+        bundle: &PatchBundle,
+        case: &LoopCase,
+    ) -> Result<LoopRow, LabError> {
+        let mut profile = bench.base().clone();
+        if let Some(bits) = case.bits {
+            profile.adc.bits = chosen(bits);
+            profile.dac.bits = chosen(bits);
+        }
+        let bits = profile.adc.bits.as_ref().map(|b| b.value);
+        let mut law = self.law(bench.load(bundle.clone(), self.params.clone(), profile)?)?;
+        let spec = lock_step(case.frame, case.latency, Tick::ZERO, self.stop);
+        let saturated = bench.operate(&spec, &mut |samples, updates| law.step(samples, updates))?;
+        self.row(&LoopCase { bits, ..*case }, law.record(), &saturated)
+    }
+}
+
+impl Experiment for Loop {
+    const NAME: &'static str = "loop";
+    const TITLE: &'static str = "A loop of the user's own";
+    const LEAD: &'static str =
+        "The least damped mode of the measured record over frame period, latency and bits.";
+
+    fn measure(&self, bench: &mut Bench<'_, '_>, outcome: &mut Outcome) -> Result<(), Failure> {
+        let study = text::load(&self.study)?;
+        let bundle = study.bundle(&self.study).map_err(|fault| FileFaults(vec![fault]))?;
+        outcome.title.clone_from(&study.title);
+        outcome.set("study", study.text.as_str());
+        let rows = bench.each(&study.cases, |bench, case| {
+            study.run(bench, &bundle, case).map_err(|fault| match fault {
+                LabError::Study(_) => fault,
+                LabError::Console(ref cause)
+                    if !matches!(
+                        cause,
+                        ConsoleFault::Refused(_) | ConsoleFault::RunFault { .. }
+                    ) =>
+                {
+                    fault
+                }
+                told => FileFaults(vec![study.case_fault(case, &told)]).into(),
+            })
+        })?;
+        for explanation in rows.iter().flat_map(|r| &r.remarks).filter_map(Remark::explanation) {
+            if !outcome.remarks.contains(&explanation) {
+                outcome.remarks.push(explanation);
+            }
+        }
+        let columns = [
+            Column::new("frame", "s", |r: &LoopRow| r.case.frame.secs().into()),
+            Column::new("latency", "s", |r| r.case.latency.secs().into()),
+            Column::new("bits", "", |r| {
+                r.case.bits.map_or_else(|| "ideal".into(), |b| f64::from(b).into())
+            }),
+            Column::new("zeta", "", |r| r.root.map(damping_ratio).into()),
+            Column::new("omega", "rad/s", |r| r.root.map(|s| s.modulus()).into()),
+            Column::of("growth per cycle", "", 5, |r| r.root.map(growth_per_cycle).into()),
+            Column::of("last tenth / first tenth", "", 3, |r| r.last_over_first.into()),
+            Column::of("fit", "", 2, |r| r.fit.into()),
+            Column::new("remark", "", |r| {
+                let all: Vec<String> = r.remarks.iter().map(ToString::to_string).collect();
+                Cell::from(all.join("; "))
+            }),
+        ];
+        let caption = "Least damped oscillatory mode of each case; fit is what the modes leave of the record.";
+        outcome.section("Numbers").table("loop", caption, Table::of(&columns, &rows));
+
+        // Latency in frames, to a thousandth, and bits: what makes a curve.
+        let kind = |r: &LoopRow| {
+            let share = r.case.latency.secs() / r.case.frame.secs();
+            ((1e3 * share).round() / 1e3, r.case.bits)
+        };
+        let mut kinds: Vec<(f64, Option<u32>)> = Vec::new();
+        for row in &rows {
+            if !kinds.contains(&kind(row)) {
+                kinds.push(kind(row));
+            }
+        }
+        let chart = |title: &str, y: Axis, value: fn(&LoopRow) -> Option<f64>| {
+            let series = kinds.iter().map(|of| {
+                let bits = of.1.map_or("ideal".to_owned(), |b| format!("{b} bits"));
+                let points = rows.iter().filter(|r| kind(r) == *of);
+                let points =
+                    points.map(|r| (r.case.frame.secs() * 1e3, value(r).unwrap_or(f64::NAN)));
+                Series::of(format!("latency {} frames, {bits}", of.0), points)
+                    .draw(Draw::LineAndMarkers)
+            });
+            LineChart::new(title, Axis::new("frame", "ms"), y, series.collect())
+        };
+        let damping = chart("Damping", damping_axis(), |r| r.root.map(damping_ratio));
+        let frequency =
+            chart("Frequency", Axis::new("frequency", "rad/s"), |r| r.root.map(|s| s.modulus()));
+        let caption = "Damping ratio of the least damped oscillatory mode; below zero the loop is unstable. Cases without a value are left out.";
+        let figures = outcome.section("Figures");
+        let figures = figures.chart("damping", caption, &damping.limit(0.0, "stability"));
+        figures.chart("frequency", "Its frequency.", &frequency);
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{text::parse, *};
     use crate::lab::{
-        feedback::{Compensation, RootSetting},
+        bench::Saturated,
         plain_machine::PlainMachine,
-        theory::damping_ratio,
+        plan::{Machine, RunPlan},
+        theory::{feedback_loop::FeedbackLoop, hold::Hold},
     };
 
     const GOOD: &str = r#"
@@ -196,26 +313,18 @@ denominator = [1.0]
         let study = parse("servo.toml", GOOD).unwrap();
         assert_eq!(study.cases.len(), 4);
         for case in &study.cases {
-            let setting = RootSetting {
-                omega0_rad_s: 3.0,
-                zeta: 0.3,
-                frame_s: case.frame.secs(),
-                latency_frames: case.latency.secs() / case.frame.secs(),
-                compensation: Compensation::HalfFrame,
-            };
+            let (t, late) = (case.frame.secs(), case.latency.secs());
+            let plan = RunPlan::new("", t, late, study.stop.secs()).unwrap();
             let mut law = study.law(&channels()).unwrap();
-            let mut machine = PlainMachine::new(
-                &[&[0.0, 1.0], &[0.0, -1.8]],
-                &[&[0.0], &[-1.0]],
-                &[&[1.0, 0.0]],
-                &[1.0, 0.0],
-            );
-            machine.run(&setting.plan().unwrap(), |n, adc, up| law.step(n, adc, up));
-            let row = study.row(case, &law, &Saturated::default()).unwrap();
-            let exact = damping_ratio(setting.theory().exact_root().unwrap());
+            let mut machine = PlainMachine::second_order(3.0, 0.3);
+            machine.run(&plan, &mut |samples, updates| law.step(samples, updates)).unwrap();
+            let row = study.row(case, law.record(), &Saturated::default()).unwrap();
+            let theory = FeedbackLoop::second_order((3.0, 0.3), 0.5, Hold::ZeroOrder, t, late);
+            let exact = damping_ratio(theory.exact_root().unwrap());
+            let zeta = damping_ratio(row.root.unwrap());
             // As in the root experiment; the first frames, in which the equation's memory fills from
             // zero, add modes that the pencil tells apart.
-            assert!((row.zeta.unwrap() - exact).abs() < 1e-4, "{row:?} {exact}");
+            assert!((zeta - exact).abs() < 1e-4, "{row:?} {exact}");
         }
     }
 

@@ -1,12 +1,10 @@
 //! Why a case of a loop study has no damping, and what else happened in it.
 
 use super::{row::STEPS_HIGH, row::WORST_FIT, swing::Swing};
-use serde::Serialize;
 use std::fmt;
 
 /// A remark on one case.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Remark {
     /// Converters or coefficients reached the end of their range.
     Saturated {

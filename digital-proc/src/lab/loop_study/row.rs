@@ -6,18 +6,17 @@
 
 use super::{
     super::{
+        bench::Saturated,
         identify::{self, IdentifyError},
-        loop_law::LoopLaw,
         modal_fit::ModalFit,
         plan::LabError,
-        theory::{C64, damping_ratio, equivalent_root, growth_per_cycle},
+        theory::{C64, damping_ratio, equivalent_root},
     },
     LoopCase, LoopStudy,
     remark::Remark,
     swing::Swing,
 };
 use nalgebra::ComplexField;
-use serde::Serialize;
 
 /// What of a record its modes may leave (rms over rms of the record about its mean) for a damping
 /// to be told, where no converter is in the way.
@@ -42,21 +41,13 @@ const ABOVE_THE_REST: f64 = 10.0;
 const NO_DECAY: f64 = 1e-6;
 
 /// One row of the answer.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug)]
 pub struct LoopRow {
-    /// Frame, s.
-    pub frame_s: f64,
-    /// Latency, s.
-    pub latency_s: f64,
-    /// Bits, none for ideal.
-    pub bits: Option<u32>,
-    /// ζ of the oscillatory mode found: the least damped, or through a converter the strongest.
+    /// With the bits that the converters had.
+    pub case: LoopCase,
+    /// The oscillatory mode found, rad/s: the least damped, or through a converter the strongest.
     /// None where there is none, or where the record is no decay of one linear loop.
-    pub zeta: Option<f64>,
-    /// |s| of it, rad/s.
-    pub omega_rad_s: Option<f64>,
-    /// Its growth per cycle.
-    pub growth_per_cycle: Option<f64>,
+    pub root: Option<C64>,
     /// Greatest magnitude in the last tenth of the record over that in the first tenth; none where
     /// the first tenth is zero.
     pub last_over_first: Option<f64>,
@@ -65,15 +56,6 @@ pub struct LoopRow {
     pub fit: Option<f64>,
     /// Why a value is missing, and what else happened.
     pub remarks: Vec<Remark>,
-}
-
-/// Converters and coefficients that saturated in a run, and when.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Saturated {
-    /// By name, as `DAC u`.
-    pub channels: Vec<String>,
-    /// Frames in which one was told, ascending; each happened in that frame or since the one before.
-    pub frames: Vec<u64>,
 }
 
 /// A mode as it is told.
@@ -97,16 +79,12 @@ impl LoopStudy {
     /// What a run of `case` did in the study's window, from the last saturation on.
     ///
     /// A record that cannot be judged leaves the modal columns empty, with a remark.
-    ///
-    /// # Errors
-    /// On a window of fewer frames than modes can be sought in, or a non-finite record.
     pub fn row(
         &self,
         case: &LoopCase,
-        law: &LoopLaw,
+        record: &[f64],
         saturated: &Saturated,
     ) -> Result<LoopRow, LabError> {
-        let record = law.record();
         identify::check(record, identify::SHORTEST)?;
         let frames = |t: interface::Tick| (t.0 / case.frame.0) as usize;
         let first = frames(interface::Tick(self.from.0 + case.frame.0 - 1)).min(record.len());
@@ -152,12 +130,8 @@ impl LoopStudy {
         let tenth = (judged.len() / 10).max(1);
         let before = peak(&judged[..tenth]);
         Ok(LoopRow {
-            frame_s: case.frame.secs(),
-            latency_s: case.latency.secs(),
-            bits: case.bits,
-            zeta: told.map(damping_ratio),
-            omega_rad_s: told.map(|s| s.modulus()),
-            growth_per_cycle: told.map(growth_per_cycle),
+            case: *case,
+            root: told,
             last_over_first: (before > 0.0)
                 .then(|| peak(&judged[judged.len() - tenth..]) / before)
                 .filter(|ratio| ratio.is_finite()),

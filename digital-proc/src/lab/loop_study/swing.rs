@@ -3,10 +3,8 @@
 //! Looks at the second half of a record alone; whether what came before was a decay is not its
 //! business.
 
-use serde::Serialize;
-
 /// A sustained swing about a mean.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
     /// Half of peak to peak, in the units of the record.
     pub amplitude: f64,

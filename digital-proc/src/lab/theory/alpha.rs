@@ -38,13 +38,11 @@
 //! K = 0.5; with Euler or a rate held over the frame it lags by half a frame, and the shift at
 //! K = 0.2 is three times too large.
 
-use super::{C64, TheoryError, frame_and_latency, in_range, period_map::PeriodMap, phasor};
+use super::{C64, TheoryError, frame_and_latency, in_range, period_map::PeriodMap};
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 
 /// The rotational equations of one plane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation {
     /// M, 1/s².
     pub moment_slope: f64,
@@ -57,6 +55,16 @@ pub struct Rotation {
 }
 
 impl Rotation {
+    /// The plane of the laboratory: Z = 0.6, D = 0.4, M = ω².
+    pub fn standard(omega_rad_s: f64) -> Rotation {
+        Rotation {
+            moment_slope: omega_rad_s * omega_rad_s,
+            force_slope: 0.6,
+            rate_damping: 0.4,
+            direction: 1.0,
+        }
+    }
+
     /// Upper root of the continuous loop.
     pub fn continuous_root(&self) -> C64 {
         let half = (self.force_slope + self.rate_damping) / 2.0;
@@ -78,31 +86,28 @@ impl Rotation {
     }
 }
 
-/// When and against what the correction is formed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// When and against what the correction is formed; the doc comments are the help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Delivery {
-    /// `e_k` at `t_k + τ`.
+    /// At once
     Prompt,
-    /// `e_{k−1}`, whose parts belong to one instant.
+    /// One slow frame late, both angles of one instant
     LateMatched,
-    /// `α_d[k−1] − α_a(t_k)`.
+    /// One slow frame late, against the present analog angle
     LateUnmatched,
 }
 
-/// How the correction enters the analog integrator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// How the correction enters the analog integrator; the doc comments are the help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Correction {
-    /// `K e / T_s` over the slow frame.
+    /// Over the whole slow period
     Spread,
-    /// `K e / T_f` over one fast frame.
+    /// Over one fast frame
     Pulse,
 }
 
 /// How the loop is closed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "scheme")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scheme {
     /// The digital side integrates the angle, every frame.
     Conventional,
@@ -119,9 +124,18 @@ pub enum Scheme {
     },
 }
 
+impl Scheme {
+    /// N, 1 when conventional.
+    pub fn slow_frames(self) -> u32 {
+        match self {
+            Scheme::Conventional => 1,
+            Scheme::Redundant { slow_frames, .. } => slow_frames,
+        }
+    }
+}
+
 /// A sampled α loop. For [`Scheme::Conventional`] the frame is T_s, else T_f.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlphaLoop {
     /// Plant.
     pub rotation: Rotation,
@@ -148,15 +162,9 @@ const ORDER: usize = 10;
 
 impl AlphaLoop {
     /// Monodromy over one slow frame.
-    ///
-    /// # Errors
-    /// On a frame that is not positive, a latency beyond one frame, or no slow frame.
     pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
         let (frame, latency) = frame_and_latency(self.frame_s, self.latency_s)?;
-        let slow = match self.scheme {
-            Scheme::Conventional => 1,
-            Scheme::Redundant { slow_frames, .. } => slow_frames,
-        };
+        let slow = self.scheme.slow_frames();
         in_range("slow frames", f64::from(slow), slow >= 1, "≥ 1")?;
 
         let r = &self.rotation;
@@ -230,35 +238,13 @@ impl AlphaLoop {
     }
 
     /// Exact equivalent root on the branch of the continuous one.
-    ///
-    /// # Errors
-    /// As [`AlphaLoop::period_map`].
     pub fn exact_root(&self) -> Result<C64, TheoryError> {
         self.period_map()?.root_near(self.rotation.continuous_root())
     }
 
     /// Stable when every |z| of the slow period is below 1.
-    ///
-    /// # Errors
-    /// As [`AlphaLoop::period_map`].
     pub fn spectral_radius(&self) -> Result<f64, TheoryError> {
         self.period_map()?.spectral_radius()
-    }
-}
-
-/// Greatest |z| of the correction alone: `ε_{k+1} = (1 − K) ε_k` prompt,
-/// `ε_{k+1} = ε_k − K ε_{k−1}` one frame late (|z| = √K beyond K = ¼, stable for K < 1).
-pub fn correction_radius(gain: f64, late: bool) -> f64 {
-    if !late {
-        return (1.0 - gain).abs();
-    }
-    let discriminant = 1.0 - 4.0 * gain;
-    if discriminant < 0.0 {
-        gain.sqrt()
-    } else {
-        f64::midpoint(1.0, discriminant.sqrt())
-            .abs()
-            .max(f64::midpoint(1.0, -discriminant.sqrt()).abs())
     }
 }
 
@@ -267,35 +253,15 @@ pub fn drift_error(drift_rad_s: f64, slow_s: f64, gain: f64) -> f64 {
     drift_rad_s * slow_s / gain
 }
 
-/// `ε/α = K (e^{−jx} − 1) / (e^{jx} − 1 + K)`, x = ωT_s: error of the corrected angle when α_d is
-/// one frame late and not time-matched. Without the redundant integrator it is `e^{−jx} − 1`.
-pub fn unmatched_error(gain: f64, x: f64) -> C64 {
-    let one = C64::new(1.0, 0.0);
-    (phasor(-x) - one) * gain / (phasor(x) - one + gain)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn rotation(omega: f64) -> Rotation {
-        Rotation {
-            moment_slope: omega * omega,
-            force_slope: 0.6,
-            rate_damping: 0.4,
-            direction: 1.0,
-        }
-    }
-
-    fn redundant(omega: f64, fast: f64, gain: f64, delivery: Delivery) -> AlphaLoop {
+    fn redundant(omega: f64, fast: f64, gain: f64, slow: (Delivery, Correction)) -> AlphaLoop {
+        let (delivery, correction) = slow;
         AlphaLoop {
-            rotation: rotation(omega),
-            scheme: Scheme::Redundant {
-                slow_frames: 10,
-                gain,
-                delivery,
-                correction: Correction::Spread,
-            },
+            rotation: Rotation::standard(omega),
+            scheme: Scheme::Redundant { slow_frames: 10, gain, delivery, correction },
             frame_s: fast,
             latency_s: fast,
         }
@@ -303,7 +269,7 @@ mod tests {
 
     fn conventional(omega: f64, slow: f64) -> AlphaLoop {
         AlphaLoop {
-            rotation: rotation(omega),
+            rotation: Rotation::standard(omega),
             scheme: Scheme::Conventional,
             frame_s: slow,
             latency_s: slow,
@@ -316,13 +282,8 @@ mod tests {
         assert!(conventional(6.0, 0.1).spectral_radius().unwrap() > 1.0);
         for delivery in [Delivery::Prompt, Delivery::LateMatched] {
             for correction in [Correction::Spread, Correction::Pulse] {
-                let radius = |gain| {
-                    let mut l = redundant(6.0, 0.01, gain, delivery);
-                    if let Scheme::Redundant { correction: c, .. } = &mut l.scheme {
-                        *c = correction;
-                    }
-                    l.spectral_radius().unwrap()
-                };
+                let slow = (delivery, correction);
+                let radius = |gain| redundant(6.0, 0.01, gain, slow).spectral_radius().unwrap();
                 assert!(radius(0.2) < 1.0, "{delivery:?} {correction:?}");
                 assert!(radius(0.5) > 1.0, "{delivery:?} {correction:?}");
             }
@@ -332,7 +293,7 @@ mod tests {
     /// β with yaw rate is the same loop: only the sign of the rate turns.
     #[test]
     fn sideslip_has_the_same_roots() {
-        let a = redundant(4.0, 0.01, 0.2, Delivery::Prompt);
+        let a = redundant(4.0, 0.01, 0.2, (Delivery::Prompt, Correction::Spread));
         let mut b = a;
         b.rotation.direction = -1.0;
         let (a, b) = (a.exact_root().unwrap(), b.exact_root().unwrap());
@@ -344,11 +305,8 @@ mod tests {
     #[test]
     fn shift_ratio_is_that_of_the_frames_plus_a_penalty() {
         for (omega, known) in [(2.0, 0.093), (4.0, 0.128), (6.0, 0.146)] {
-            let s0 = rotation(omega).continuous_root();
-            let mut r = redundant(omega, 0.005, 0.2, Delivery::Prompt);
-            if let Scheme::Redundant { correction, .. } = &mut r.scheme {
-                *correction = Correction::Pulse;
-            }
+            let s0 = Rotation::standard(omega).continuous_root();
+            let r = redundant(omega, 0.005, 0.2, (Delivery::Prompt, Correction::Pulse));
             let shift = (r.exact_root().unwrap() - s0).norm();
             let slow = (conventional(omega, 0.05).exact_root().unwrap() - s0).norm();
             // An instant reset, a pulse and a spread correction differ among themselves by up to 0.003.
@@ -361,7 +319,7 @@ mod tests {
     fn shift_formula_is_first_order() {
         let error = |t: f64| {
             let l = AlphaLoop {
-                rotation: rotation(4.0),
+                rotation: Rotation::standard(4.0),
                 scheme: Scheme::Redundant {
                     slow_frames: 1,
                     gain: 0.0,
@@ -376,21 +334,5 @@ mod tests {
         };
         let order = (error(0.002) / error(0.001)).log2();
         assert!((order - 2.0).abs() < 0.2, "{order}");
-    }
-
-    #[test]
-    fn correction_alone() {
-        // Late: critical at K = 1/4 (double root 1/2), √K beyond, 1 at K = 1.
-        assert!((correction_radius(0.25, true) - 0.5).abs() < 1e-12);
-        assert!((correction_radius(0.64, true) - 0.8).abs() < 1e-12);
-        assert!((correction_radius(1.0, true) - 1.0).abs() < 1e-12);
-        assert!((correction_radius(0.2, false) - 0.8).abs() < 1e-15);
-        // K = 1 gives back the slow lag itself, e^{−jx}(e^{−jx} − 1) in magnitude.
-        let x = 0.3;
-        let whole = (C64::from_polar(1.0, -x) - 1.0).norm();
-        assert!((unmatched_error(1.0, x).norm() - whole).abs() < 1e-15);
-        assert!(unmatched_error(0.2, x).norm() < 0.6 * whole);
-        // 0.05 °/s for 49 s uncorrected, and T_s = 0.1 s, K = 0.5.
-        assert!((drift_error(0.05, 0.1, 0.5) - 0.01).abs() < 1e-15);
     }
 }

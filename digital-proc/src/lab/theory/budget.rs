@@ -8,43 +8,38 @@
 //! (it is 1 − O(x²)).
 
 use super::{C64, hold, hold::Hold, noise};
+use interface::Tick;
 use nalgebra::ComplexField;
-use serde::Serialize;
-
-/// A converter's resolution.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Resolution {
-    /// Bits, sign included.
-    pub bits: u32,
-    /// ± full scale, problem units.
-    pub full_scale: f64,
-}
 
 /// One channel of the linkage.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
-    /// Frame T, s.
-    pub frame_s: f64,
-    /// Delay of this channel's sample behind `t_n` (channel · δ), s.
-    pub skew_s: f64,
-    /// Averaging aperture of the track-and-hold, s.
-    pub aperture_s: f64,
-    /// ADC resolution.
-    pub adc: Option<Resolution>,
-    /// Latency τ from `t_n` to the transfer, conversion included, s.
-    pub latency_s: f64,
-    /// Digital lead, frames.
-    pub lead_frames: f64,
-    /// DAC resolution.
-    pub dac: Option<Resolution>,
+    /// Place of the channel in the scan.
+    pub place: i64,
+    /// ± full scale of its converters, problem units.
+    pub full_scale: f64,
+    /// Frame T.
+    pub frame: Tick,
+    /// Latency τ from `t_n` to the transfer, conversion included.
+    pub latency: Tick,
+    /// Skew δ between neighbouring channels.
+    pub skew: Tick,
+    /// Averaging aperture of the track-and-hold.
+    pub aperture: Tick,
+    /// Bits of the ADC, sign included.
+    pub adc_bits: Option<u32>,
+    /// Bits of the DAC.
+    pub dac_bits: Option<u32>,
     /// Reconstruction.
     pub hold: Hold,
-    /// Settling time constant of the DAC, s.
-    pub settling_s: f64,
+    /// Settling time constant of the DAC.
+    pub settling: Tick,
+    /// Lead of the digital law, frames.
+    pub lead_frames: f64,
 }
 
 /// What one stage adds.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BudgetRow {
     /// Stage.
     pub stage: &'static str,
@@ -59,18 +54,20 @@ pub struct BudgetRow {
 }
 
 impl Chain {
-    /// A channel that adds nothing but a zero-order hold.
-    pub fn ideal(frame_s: f64) -> Chain {
+    /// A zero-order hold and nothing else.
+    pub fn bare(place: i64, full_scale: f64, frame: Tick) -> Chain {
         Chain {
-            frame_s,
-            skew_s: 0.0,
-            aperture_s: 0.0,
-            adc: None,
-            latency_s: 0.0,
-            lead_frames: 0.0,
-            dac: None,
+            place,
+            full_scale,
+            frame,
+            latency: Tick::ZERO,
+            skew: Tick::ZERO,
+            aperture: Tick::ZERO,
+            adc_bits: None,
+            dac_bits: None,
             hold: Hold::ZeroOrder,
-            settling_s: 0.0,
+            settling: Tick::ZERO,
+            lead_frames: 0.0,
         }
     }
 
@@ -108,21 +105,24 @@ impl Chain {
 
     fn stages(&self, w: f64) -> [(&'static str, C64, f64, f64); 8] {
         let one = C64::new(1.0, 0.0);
-        let noise_of = |r: Option<Resolution>| {
-            r.map_or(0.0, |r| {
-                noise::quantisation_variance(noise::quantum(r.bits, r.full_scale)).sqrt()
-            })
+        let noise_of = |bits: Option<u32>| {
+            let step = bits.map(|bits| noise::quantum(bits, self.full_scale));
+            step.map_or(0.0, |step| noise::quantisation_variance(step).sqrt())
         };
-        let t = self.frame_s;
+        let t = self.frame.secs();
+        let skew = (self.skew * self.place).secs();
+        let [aperture, latency, settling] =
+            [self.aperture, self.latency, self.settling].map(Tick::secs);
+        let lead = self.lead_frames;
         [
-            ("multiplexer skew", hold::delay(w, -self.skew_s), -self.skew_s, 0.0),
-            ("aperture", hold::aperture(w, self.aperture_s), self.aperture_s / 2.0, 0.0),
-            ("analog-to-digital", one, 0.0, noise_of(self.adc)),
-            ("latency", hold::delay(w, self.latency_s), self.latency_s, 0.0),
-            ("digital lead", hold::lead(w, t, self.lead_frames), -self.lead_frames * t, 0.0),
-            ("digital-to-analog", one, 0.0, noise_of(self.dac)),
+            ("multiplexer skew", hold::delay(w, -skew), -skew, 0.0),
+            ("aperture", hold::aperture(w, aperture), aperture / 2.0, 0.0),
+            ("analog-to-digital", one, 0.0, noise_of(self.adc_bits)),
+            ("latency", hold::delay(w, latency), latency, 0.0),
+            ("digital lead", hold::lead(w, t, lead), -lead * t, 0.0),
+            ("digital-to-analog", one, 0.0, noise_of(self.dac_bits)),
             ("hold", self.hold.transfer(w, t), self.hold.delay_frames() * t, 0.0),
-            ("settling", hold::settling(w, self.settling_s), self.settling_s, 0.0),
+            ("settling", hold::settling(w, settling), settling, 0.0),
         ]
     }
 }
@@ -133,22 +133,21 @@ mod tests {
 
     #[test]
     fn first_order_delays_are_the_slopes_of_the_phases() {
+        let us = Tick(1000);
         let chain = Chain {
-            frame_s: 0.01,
-            skew_s: 1e-4,
-            aperture_s: 2e-4,
-            adc: Some(Resolution { bits: 14, full_scale: 100.0 }),
-            latency_s: 0.004,
+            skew: us * 100,
+            aperture: us * 200,
+            adc_bits: Some(14),
+            latency: us * 4000,
             lead_frames: 0.9,
-            dac: None,
-            hold: Hold::ZeroOrder,
-            settling_s: 1e-4,
+            settling: us * 100,
+            ..Chain::bare(1, 100.0, us * 10_000)
         };
         let w = 0.1;
         for row in chain.budget(w) {
             // Phases are odd in x = ωT = 1e-3: the next term is of relative order x² = 1e-6.
             let slope = -row.phase_deg.to_radians() / w;
-            assert!((slope - row.delay_s).abs() < 2e-6 * chain.frame_s, "{row:?}");
+            assert!((slope - row.delay_s).abs() < 2e-6 * chain.frame.secs(), "{row:?}");
         }
         let whole = chain.budget(w).pop().unwrap();
         assert!((whole.gain - chain.transfer(w).norm()).abs() < 1e-12);

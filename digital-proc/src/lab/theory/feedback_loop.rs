@@ -46,8 +46,7 @@ impl FeedbackLoop {
 
     /// `ẍ + 2ζω₀ẋ + y = 0`, `y` being ω₀²x through the digital side.
     pub fn second_order(
-        omega0_rad_s: f64,
-        zeta: f64,
+        (omega0_rad_s, zeta): (f64, f64),
         lead_frames: f64,
         hold: Hold,
         frame_s: f64,
@@ -66,9 +65,6 @@ impl FeedbackLoop {
     }
 
     /// Root in the upper half plane of the loop closed without any interface.
-    ///
-    /// # Errors
-    /// When the eigenvalues do not converge or none lies there.
     pub fn continuous_root(&self) -> Result<C64, TheoryError> {
         let closed = &self.a + &self.b * &self.c * self.gain;
         super::period_map::eigenvalues(&closed)?
@@ -81,9 +77,6 @@ impl FeedbackLoop {
     /// One frame from just before a sample to just before the next.
     ///
     /// State `[x; y; ẏ; pending; m_{n−1}; last transferred]`, n + 5.
-    ///
-    /// # Errors
-    /// On shapes that do not fit, a period that is not positive or a latency beyond a frame.
     pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
         let n = self.a.nrows();
         if self.a.ncols() != n || self.b.len() != n || self.c.len() != n {
@@ -141,9 +134,6 @@ impl FeedbackLoop {
     }
 
     /// Exact equivalent root on the branch of the continuous one.
-    ///
-    /// # Errors
-    /// As [`FeedbackLoop::period_map`].
     pub fn exact_root(&self) -> Result<C64, TheoryError> {
         self.period_map()?.root_near(self.continuous_root()?)
     }
@@ -157,9 +147,6 @@ impl FeedbackLoop {
     /// where `1 + L(s) = 0` closes the loop through the sampled path.
     ///
     /// `L = −k c (sI − A)⁻¹ b`, `L′ = k c (sI − A)⁻² b`.
-    ///
-    /// # Errors
-    /// When `s₀` is an eigenvalue of A, or as [`FeedbackLoop::continuous_root`].
     pub fn first_order_root(&self) -> Result<C64, TheoryError> {
         let s0 = self.continuous_root()?;
         let n = self.a.nrows();
@@ -175,13 +162,13 @@ impl FeedbackLoop {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{damping_ratio, discretise::zoh_discretise, growth_per_cycle, nearest_root};
+    use super::super::{damping_ratio, growth_per_cycle, nearest_root};
     use super::*;
 
     /// The worked example: ω₀ = 3, ζ = 0.3, T = 0.1, one frame late: exact 0.0787, formula 0.0750.
     #[test]
     fn worked_example_of_the_root_shift() {
-        let l = FeedbackLoop::second_order(3.0, 0.3, 0.0, Hold::ZeroOrder, 0.1, 0.1);
+        let l = FeedbackLoop::second_order((3.0, 0.3), 0.0, Hold::ZeroOrder, 0.1, 0.1);
         let exact = damping_ratio(l.exact_root().unwrap());
         // Printed with four decimals: half a unit of the last.
         assert!((exact - 0.0787).abs() < 5e-5, "{exact}");
@@ -192,24 +179,33 @@ mod tests {
         assert!((z - w * te / 2.0 - 0.0750).abs() < 1e-12);
     }
 
-    /// The same loops by the block matrices [[Φ, Γ], [−K, 0]] of the textbook.
+    /// The same loop by the textbook's matrices: with `[Φ Γ; 0 1] = exp([A b; 0 0] t)` over the
+    /// parts of a frame before and after the transfer, `[[Φ, Γ_old], [−K, 0]]` and Γ_new (−K) on Φ.
     #[test]
     fn period_map_agrees_with_discretised_matrices() {
         for latency in [0.0, 0.03, 0.1] {
-            let l = FeedbackLoop::second_order(3.0, 0.3, 0.0, Hold::ZeroOrder, 0.1, latency);
-            let a = l.a.clone();
-            let b = DMatrix::from_row_slice(2, 1, &[0.0, -1.0]);
-            let d = zoh_discretise(&a, &b, 0.1, latency).unwrap();
-            let k = DMatrix::from_row_slice(1, 2, &[-9.0, 0.0]);
-            let f = d.closed_loop(&k).unwrap();
-            let z = super::super::period_map::eigenvalues(&f).unwrap();
-            let s: Vec<_> = z
+            let l = FeedbackLoop::second_order((3.0, 0.3), 0.0, Hold::ZeroOrder, 0.1, latency);
+            let held = |t: f64| {
+                let block =
+                    DMatrix::from_row_slice(3, 3, &[0.0, t, 0.0, 0.0, -1.8 * t, -t, 0.0, 0.0, 0.0]);
+                let e = crate::matrix_exp::matrix_exp(&block);
+                (e.view((0, 0), (2, 2)).into_owned(), e.view((0, 2), (2, 1)).into_owned())
+            };
+            let (phi, _) = held(0.1);
+            let (phi_late, new) = held(0.1 - latency);
+            let (_, early) = held(latency);
+            let k = DMatrix::from_row_slice(1, 2, &[9.0, 0.0]);
+            let mut f = DMatrix::zeros(3, 3);
+            f.view_mut((0, 0), (2, 2)).copy_from(&(phi + new * &k));
+            f.view_mut((0, 2), (2, 1)).copy_from(&(phi_late * early));
+            f.view_mut((2, 0), (1, 2)).copy_from(&k);
+            let roots: Vec<C64> = super::super::period_map::eigenvalues(&f)
+                .unwrap()
                 .into_iter()
                 .filter(|z| z.norm() > 1e-9)
                 .map(|z| super::super::equivalent_root(z, 0.1))
                 .collect();
-            let s0 = l.continuous_root().unwrap();
-            let other = nearest_root(&s, s0).unwrap();
+            let other = nearest_root(&roots, l.continuous_root().unwrap()).unwrap();
             // Both are backward stable on matrices of norm about one: 1e-15 in z, 1e-14 in s.
             assert!((l.exact_root().unwrap() - other).norm() < 1e-12);
         }
@@ -221,7 +217,7 @@ mod tests {
         for hold in Hold::ALL {
             for lead in [0.0, 0.5] {
                 let error = |t: f64| {
-                    let l = FeedbackLoop::second_order(3.0, 0.3, lead, hold, t, 0.5 * t);
+                    let l = FeedbackLoop::second_order((3.0, 0.3), lead, hold, t, 0.5 * t);
                     (l.exact_root().unwrap() - l.first_order_root().unwrap()).norm()
                 };
                 let order = (error(0.004) / error(0.002)).log2();

@@ -5,25 +5,44 @@
 //! the images at `ω + 2πk/T` are left out.
 
 use super::{C64, phasor};
-use serde::{Deserialize, Serialize};
+use interface::hold::HoldKind;
 
-/// How a DAC fills the time between transfers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// How a DAC fills the time between transfers; the doc comments are the help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Hold {
-    /// The last value is held.
+    /// The last value is held
     ZeroOrder,
-    /// The line through the last two values is continued.
+    /// The line through the last two values is continued
     Extrapolating,
-    /// The line from the last value but one to the last is drawn, one frame late.
+    /// The line from the last value but one to the last is drawn, one frame late
     Interpolating,
+}
+
+impl From<Hold> for HoldKind {
+    fn from(hold: Hold) -> HoldKind {
+        match hold {
+            Hold::ZeroOrder => HoldKind::ZeroOrder,
+            Hold::Extrapolating => HoldKind::Extrapolating,
+            Hold::Interpolating => HoldKind::Interpolating,
+        }
+    }
+}
+
+impl From<HoldKind> for Hold {
+    fn from(kind: HoldKind) -> Hold {
+        match kind {
+            HoldKind::ZeroOrder => Hold::ZeroOrder,
+            HoldKind::Extrapolating => Hold::Extrapolating,
+            HoldKind::Interpolating => Hold::Interpolating,
+        }
+    }
 }
 
 impl Hold {
     /// All holds, in the order in which tables list them.
     pub const ALL: [Hold; 3] = [Hold::ZeroOrder, Hold::Extrapolating, Hold::Interpolating];
 
-    /// Name as in study files and tables.
+    /// Name on the command line and in tables.
     pub fn name(self) -> &'static str {
         match self {
             Hold::ZeroOrder => "zero-order",

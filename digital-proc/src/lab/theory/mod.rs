@@ -10,7 +10,6 @@
 
 pub mod alpha;
 pub mod budget;
-pub mod discretise;
 pub mod feedback_loop;
 pub mod hold;
 pub mod noise;

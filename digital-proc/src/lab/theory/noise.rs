@@ -31,11 +31,6 @@ pub fn resolver_skew_error_rad(omega_rad_s: f64, skew_s: f64, theta_rad: f64) ->
     omega_rad_s * skew_s * libm::sin(theta_rad).powi(2)
 }
 
-/// Mean of [`resolver_skew_error_rad`] over a revolution, `ωδ/2`.
-pub fn resolver_skew_mean_rad(omega_rad_s: f64, skew_s: f64) -> f64 {
-    omega_rad_s * skew_s / 2.0
-}
-
 /// Mean error of a coefficient that moves at `rate` and is set every T, τ late: `rate (T/2 + τ)`.
 pub fn staircase_mean(rate: f64, period_s: f64, latency_s: f64) -> f64 {
     rate * (period_s / 2.0 + latency_s)
