@@ -10,8 +10,9 @@ mod supply;
 pub use supply::{against_profile, needs};
 
 use crate::block::kind::linkage;
-use crate::net::{Block, NetId, Span};
+use crate::net::{Block, Span};
 use crate::patch::{Draft, Faults, PatchFault};
+use engine::id::NetId;
 use miette::LabeledSpan;
 use std::collections::HashMap;
 

@@ -5,29 +5,12 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod block;
-pub mod channels;
 pub mod check;
 pub mod cli;
 pub mod draw;
-mod event;
-pub mod fault;
-pub mod frame_cycle;
-mod free_run;
-mod integrate;
-mod kernel;
-pub mod machine;
-pub mod mode;
 pub mod net;
-mod op;
-mod operate;
 pub mod order;
-pub mod outlook;
-pub mod overload;
 pub mod patch;
 pub mod record;
-pub mod remark;
-pub mod serve;
-mod signal;
-pub mod simulation;
-pub mod static_check;
+pub mod session;
 pub mod tolerance;

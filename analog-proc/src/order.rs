@@ -5,8 +5,9 @@
 //! depend on anything at that instant. A closed path without a store has no
 //! such order: it is an algebraic loop, and is shown whole.
 
-use crate::net::{Block, BlockId, Netlist, Span};
+use crate::net::{Block, Netlist, Span};
 use crate::patch::{Draft, Faults, PatchFault, PatchFaults, Sources};
+use engine::id::BlockId;
 use miette::LabeledSpan;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};

@@ -3,6 +3,8 @@
 //! It depends on neither. It defines problem time ([`Tick`]), the frames that
 //! cross at sampled rates ([`frame`]), the slow control plane ([`control`]),
 //! and two links behind one pair of traits ([`link`]).
+// What only the link between processes needs is not dead where that is left out.
+#![cfg_attr(not(feature = "shm"), allow(dead_code, unused_imports))]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod coefficient;
@@ -17,7 +19,6 @@ pub mod profile;
 pub mod protocol;
 pub mod session;
 pub mod tick;
-pub mod user_file;
 
 pub use protocol::Side;
 pub use tick::Tick;

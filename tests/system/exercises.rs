@@ -265,7 +265,7 @@ fn every_example_of_a_kind_compiles() {
         PatchBundle { root: "examples.toml".into(), files: vec![("examples.toml".into(), patch)] };
     let compiled = analog_proc::patch::compile(&bundle, &[]);
     let ordered = compiled.unwrap_or_else(|faults| panic!("{}", faults.render()));
-    analog_proc::simulation::Simulation::new(&ordered).unwrap();
+    ordered.simulation().unwrap();
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! The flight that the README promises.
 
 use crate::bench_top::{BenchTop, argv0, children, expect, partner_of, wait_within};
-use std::time::Duration;
+use std::{path::Path, time::Duration};
 
 #[test]
 fn the_normal_flight_comes_out_as_designed() {
     let bench = BenchTop::new();
     let output = expect(bench.fly(&[]).arg("--json"), 0);
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let at = |path: &str| summary.get(path).unwrap().as_f64().unwrap();
+    let at = |path: &str| summary["results"][path].as_f64().unwrap();
     // The design's figures and the digits they are given to; the velocity's
     // and altitude's last digits are units, Mach's and q's tenths.
     for (path, figure, within) in [
@@ -23,10 +23,27 @@ fn the_normal_flight_comes_out_as_designed() {
         assert!((at(path) - figure).abs() < within, "{path}: {} against {figure}", at(path));
     }
     let directory = &bench.run_directories()[0];
-    for file in ["run.toml", "trace.arrow", "summary.json", "report.html"] {
+    assert_eq!(summary["run"], directory.to_str().unwrap());
+    for file in ["run.toml", "trace.arrow", "summary.json"] {
         assert!(directory.join(file).is_file(), "{file} is missing");
     }
+    let page = assert_self_contained(&directory.join("report.html"));
+    // Eleven curves of at most 800 points of at most 10 bytes, and 70 kB for the rest.
+    assert!(page.len() < 11 * 800 * 10 + 70_000, "{} bytes", page.len());
     bench.assert_clean();
+}
+
+/// A page refers to nothing outside itself, and its links lead somewhere.
+pub fn assert_self_contained(path: &Path) -> String {
+    let html = std::fs::read_to_string(path).unwrap();
+    for outside in ["http:", "https:", "src=", "import", "url(", "fetch", "<link", "NaN"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    for link in html.split("href=\"").skip(1) {
+        let target = link.split('"').next().unwrap().strip_prefix('#').unwrap();
+        assert!(html.contains(&format!("id=\"{target}\"")), "#{target} leads nowhere");
+    }
+    html
 }
 
 #[test]
@@ -50,7 +67,7 @@ fn mistakes_on_the_command_line_are_explained() {
         (&["--mode", "rol-lost"][..], "roll-lost"),
         (&["--frame", "100"][..], "unit"),
         (&["--frame", "1ns", "--fast", "3"][..], "--fast"),
-        (&["--latency", "1s"][..], "latency"),
+        (&["--latency", "1s"][..], "--latency"),
         (&["--profile", "ad5"][..], "ad4"),
         (&["--vehicle", "no-such.toml"][..], "no-such.toml"),
         (&["--attach", "nobody"][..], "nobody"),

@@ -3,7 +3,7 @@
 //! An integrator of a DAC: x' = d. The digital side sets d = n + 1 in frame n,
 //! so x(t) is a sum of rectangles that depends on every transfer instant.
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::{Console, ConsoleFault},
     launch::{AnalogEntry, LinkChoice, Started},
@@ -44,14 +44,12 @@ fn run(spec: &RunSpec, profile: Profile, mode: impl Fn(u64) -> ModeCommand) -> V
     console.load(bundle, Vec::new(), profile).unwrap();
     let channel = console.channel(ChannelKind::Dac, "d").unwrap();
     let mut all = Vec::new();
-    console
-        .operate(spec, |samples: &Samples, updates: &mut Updates| {
-            all.push(*samples);
-            updates.set_dac(channel, (samples.frame + 1) as f64);
-            updates.mode = mode(samples.frame) as u32;
-            Ok::<(), ConsoleFault>(())
-        })
-        .unwrap();
+    let mut law = |samples: &Samples, updates: &mut Updates| {
+        all.push(*samples);
+        updates.set_dac(channel, (samples.frame + 1) as f64);
+        updates.mode = mode(samples.frame) as u32;
+    };
+    console.run(spec, &mut law).unwrap();
     console.bye().unwrap();
     all
 }
@@ -170,11 +168,12 @@ fn impossible_runs_are_refused_with_a_reason() {
         Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
             .unwrap();
     let mut console = Console::new(started.port());
-    let nothing = |_: &Samples, _: &mut Updates| Ok::<(), ConsoleFault>(());
-    let refusal = |console: &mut Console<'_>, spec: &RunSpec| match console.operate(spec, nothing) {
-        Err(ConsoleFault::Refused(text)) => text,
-        other => panic!("{other:?}"),
-    };
+    let mut nothing = |_: &Samples, _: &mut Updates| {};
+    let mut refusal =
+        |console: &mut Console<'_>, spec: &RunSpec| match console.run(spec, &mut nothing) {
+            Err(ConsoleFault::Refused(text)) => text,
+            other => panic!("{other:?}"),
+        };
     let fine = spec(Tick(0), Tick(0), T);
     assert!(refusal(&mut console, &fine).contains("load"));
     let bundle = PatchBundle { root: "p".into(), files: vec![("p".into(), PATCH.into())] };

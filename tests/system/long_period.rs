@@ -1,7 +1,7 @@
 //! The long-period study on the machine: its claims hold, and can fail.
 
 use crate::bench_top::{BenchTop, expect};
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use desk::claim::Verdict;
 use digital_proc::{
     console::Console,
@@ -12,7 +12,6 @@ use digital_proc::{
         run::{LongPeriodPlan, run},
     },
 };
-use interface::profile::Profile;
 use vehicle::{Vehicle, VehicleData, failure_file::FailureFile, flight_mode::FlightScript};
 
 fn modes(names: &[&str]) -> Vec<FlightScript> {
@@ -31,7 +30,7 @@ fn study(vehicle: &Vehicle, plan: &LongPeriodPlan) -> LongPeriodResults {
 }
 
 fn shipped(modes: Vec<FlightScript>) -> LongPeriodPlan {
-    LongPeriodPlan::new(modes, Profile::load("ideal").unwrap())
+    LongPeriodPlan::new(modes, desk::profile::load("ideal").unwrap())
 }
 
 /// The design case alone, of the modes that decide L1, L2 and L3.
@@ -70,7 +69,7 @@ fn a_users_failure_file_flies_and_its_mistakes_are_told() {
     let flown = fly("late-roll", 0);
     let summary: serde_json::Value = serde_json::from_slice(&flown.stdout).unwrap();
     // Sound, it stays within a tenth of a degree; without control it turns over.
-    assert!(summary["max_roll_deg"].as_f64().unwrap() > 90.0);
+    assert!(summary["results"]["max_roll_deg"].as_f64().unwrap() > 90.0);
     let missed = String::from_utf8(fly("late-rol", 2).stderr).unwrap();
     assert!(missed.contains("late-roll"), "{missed}");
     std::fs::write(&path, good.replace("roll-gain", "rol-gain")).unwrap();

@@ -11,6 +11,7 @@ mod flight;
 mod frame_cycle;
 mod gain_design;
 mod golden;
+mod json;
 mod kills;
 mod long_period;
 mod loop_study;

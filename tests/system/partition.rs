@@ -1,13 +1,13 @@
 //! The partitioned machine against the same equations integrated as one system.
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::Console,
     executive::Rate,
-    flight::{self, AlphaPath, FlightPlan},
+    flight::{AlphaPath, FlightPlan, FrameResult, Stage, Timing},
     launch::{AnalogEntry, LinkChoice, Started},
 };
-use interface::{Tick, profile::Profile};
+use interface::{Tick, frame::Samples};
 use vehicle::{
     Vehicle,
     flight_summary::FlightSample,
@@ -27,20 +27,20 @@ fn machine(vehicle: &Vehicle, step: Tick, fast: u64, alpha: AlphaPath) -> Vec<Fl
         skew: Tick::ZERO,
         stop: Tick(48_800_000_000),
         alpha,
-        profile: Profile::load("ideal").unwrap(),
+        profile: desk::profile::load("ideal").unwrap(),
     };
     let mut started =
         Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
             .unwrap();
     let mut console = Console::new(started.port());
     let mut samples = Vec::new();
-    flight::fly(&mut console, vehicle, &plan, |frame, result| {
+    let mut keep = |frame: &Samples, result: &FrameResult| {
         if frame.tick.0 % EVERY.0 == 0 {
             samples.push(result.sample);
         }
-        Ok(())
-    })
-    .unwrap();
+    };
+    let mut stage = Stage::load(&mut console, vehicle, &plan.profile).unwrap();
+    stage.fly(&mut console, vehicle, &plan, Timing::LockStep, &mut keep).unwrap();
     console.bye().unwrap();
     samples
 }

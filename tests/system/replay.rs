@@ -28,7 +28,7 @@ fn fly_paced(bench: &BenchTop, args: &[&str]) -> (PathBuf, serde_json::Value) {
     let mut new = bench.run_directories();
     new.retain(|d| !before.contains(d));
     assert_eq!(new.len(), 1);
-    (new.remove(0), summary["pacing"].clone())
+    (new.remove(0), summary)
 }
 
 fn assert_replays(bench: &BenchTop, run: &Path, more: &[&str]) {
@@ -39,16 +39,12 @@ fn assert_replays(bench: &BenchTop, run: &Path, more: &[&str]) {
 }
 
 /// Every overrun is listed, and counted once a frame.
-fn assert_overruns_counted(pacing: &serde_json::Value) {
-    let mut frames: Vec<u64> = pacing["overruns"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|o| o["frame"].as_u64().unwrap())
-        .collect();
+fn assert_overruns_counted(summary: &serde_json::Value) {
+    let overruns = summary["tables"]["overruns"].as_array().unwrap().iter();
+    let mut frames: Vec<u64> = overruns.map(|o| o["frame"].as_f64().unwrap() as u64).collect();
     frames.sort_unstable();
     frames.dedup();
-    assert_eq!(pacing["frames_overrun"].as_u64().unwrap(), frames.len() as u64);
+    assert_eq!(summary["results"]["frames_overrun"], frames.len() as f64);
 }
 
 #[test]
@@ -58,7 +54,7 @@ fn a_flight_on_the_wall_clock_replays_to_the_last_bit() {
         let args = ["--until", "1s", "--frame", frame, "--fast", "1"];
         let (run, pacing) = fly_paced(&bench, &args);
         // Frames 0 to n: problem time never skips.
-        assert_eq!(pacing["frames"], frames + 1);
+        assert_eq!(pacing["results"]["frames"], (frames + 1) as f64);
         assert_overruns_counted(&pacing);
         let record = std::fs::read_to_string(run.join("run.toml")).unwrap();
         assert!(record.contains("clock = \"wall\""), "{record}");
@@ -102,11 +98,11 @@ fn an_overloaded_flight_replays_to_the_last_bit() {
             let skewed = ["--until", "400ms", "--frame", "1ms", "--fast", "1"];
             let skewed = [&skewed[..], &["--latency", "500us", "--skew", "20us"]].concat();
             let (run, pacing) = fly_paced(&bench, &skewed);
-            assert_eq!(pacing["frames"], 401);
+            assert_eq!(pacing["results"]["frames"], 401.0);
             assert_overruns_counted(&pacing);
             assert_replays(&bench, &run, &[]);
             let (run, pacing) = fly_paced(&bench, &["--until", "410ms", "--link", "memory"]);
-            assert_eq!(pacing["frames"], 22);
+            assert_eq!(pacing["results"]["frames"], 22.0);
             assert_replays(&bench, &run, &[]);
         });
         stop.store(true, std::sync::atomic::Ordering::Relaxed);
@@ -168,7 +164,7 @@ fn runs_are_listed_exported_and_plotted() {
     );
     let list = expect(&mut on_runs(&bench, &["list", "--json"]), 0);
     let list: serde_json::Value = serde_json::from_slice(&list.stdout).unwrap();
-    assert_eq!(list[0]["name"], name.as_str());
+    assert_eq!(list["tables"]["runs"][0]["name"], name.as_str());
 
     let printed = text(expect(&mut on_runs(&bench, &["export", "last", "--csv"]), 0));
     assert_eq!(printed.lines().count(), rows + 1);
@@ -180,7 +176,7 @@ fn runs_are_listed_exported_and_plotted() {
     assert!(transfers.starts_with("tick_ns,time_s,frame\n"), "{transfers}");
 
     expect(&mut on_runs(&bench, &["plot", &name]), 0);
-    let page = std::fs::read_to_string(run.join("plots.html")).unwrap();
+    let page = crate::flight::assert_self_contained(&run.join("plots.html"));
     assert!(page.contains("<svg") && page.contains("dynamic_pressure_pa"));
 
     let output = expect(&mut on_runs(&bench, &["export", "lats"]), 2);

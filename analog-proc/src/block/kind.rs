@@ -66,11 +66,12 @@ mod switch;
 
 pub use source::Wave;
 
-use super::Lowering;
+use super::lowering::Lowering;
 use crate::draw::{Pen, number};
-use crate::net::{Block, Input, Level, NetId};
-use crate::op::{Op, Slot, Term};
+use crate::net::{Block, Input, Level};
 use crate::patch::{Fields, PatchFault};
+use engine::id::NetId;
+use engine::op::{Op, Slot, Term};
 use interface::control::ChannelKind;
 use interface::frame;
 use interface::profile::BlockClass;

@@ -1,9 +1,14 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
-use super::{Failure, PatchArgs, is_coloured};
-use crate::{net::Kind, order::Ordered, patch, simulation::Simulation, static_check::static_check};
-use desk::{command_line::CHECK_FAILED, say};
-use interface::{control::StaticCheckLine, profile::Profile};
+use super::{PatchArgs, is_coloured};
+use crate::{net::Kind, order::Ordered, patch, session::static_check::static_check};
+use desk::{
+    failure::{Failure, Fault},
+    outcome::Outcome,
+    report::{Column, Table},
+};
+use interface::control::StaticCheckLine;
+use std::path::Path;
 
 /// Check a patch.
 #[derive(clap::Args)]
@@ -22,15 +27,20 @@ impl PatchArgs {
     /// Reads, checks and orders the patch; faults come back rendered.
     pub fn compile(&self) -> Result<Compiled, Failure> {
         let faults = |f: patch::PatchFaults| {
-            Failure::input(if self.json {
-                serde_json::json!({ "faults": f.to_list() }).to_string()
-            } else if is_coloured() {
-                f.render_coloured()
-            } else {
-                f.render()
-            })
+            let text = if is_coloured() { f.render_coloured() } else { f.render() };
+            let folder = self.patch.parent().unwrap_or(Path::new(""));
+            let told = |f: patch::FaultRecord| Fault {
+                code: Some(f.code),
+                file: folder.join(f.file).display().to_string(),
+                line: Some(f.line),
+                column: Some(f.column),
+                fault: f.message,
+                remedy: f.help,
+            };
+            let faults = f.to_list().into_iter().map(told).collect();
+            Failure { faults, ..Failure::input(text) }
         };
-        let profile = Profile::load(&self.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.profile).map_err(Failure::input)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let mut ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;
@@ -42,51 +52,41 @@ impl PatchArgs {
 impl Check {
     pub fn execute(self) -> Result<(), Failure> {
         let Compiled { ordered, hash } = self.patch.compile()?;
-        let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
+        let mut simulation = ordered.simulation().map_err(Failure::input)?;
         let lines = static_check(&ordered, &mut simulation).map_err(Failure::input)?;
         let warnings = simulation.outlook();
-        let disagree = lines.iter().filter(|l| !l.agrees).count();
-        let count =
-            |f: fn(&Kind) -> bool| ordered.netlist.blocks.iter().filter(|b| f(&b.kind)).count();
+        let blocks = &ordered.netlist.blocks;
+        let count = |f: fn(&Kind) -> bool| blocks.iter().filter(|b| f(&b.kind)).count();
         let integrators = count(|k| matches!(k, Kind::Integrator(_) | Kind::Lag(_)));
-        let logic = count(Kind::is_logic);
-        if self.patch.json {
-            let report = serde_json::json!({
-                "patch": self.patch.patch,
-                "title": ordered.netlist.title,
-                "hash": hash,
-                "blocks": ordered.netlist.blocks.len(),
-                "integrators": integrators,
-                "logic": logic,
-                "static-check": lines,
-                "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
-            });
-            say!("{report:#}");
-        } else {
-            say!("{}: {}", self.patch.patch.display(), ordered.netlist.title);
-            say!(
-                "  {} blocks, {integrators} of them integrators or lags, {logic} logic; no faults",
-                ordered.netlist.blocks.len()
-            );
-            for line in &lines {
-                say!("  static check {}", describe(line));
-            }
-            for warning in &warnings {
-                say!("  warning: {warning}");
-            }
+        let title = format!("{}: {}", self.patch.patch.display(), ordered.netlist.title);
+        let mut outcome = Outcome::new(title, "");
+        for (key, label, count) in [
+            ("blocks", "Blocks, without faults", blocks.len()),
+            ("integrators", "  of them integrators and lags", integrators),
+            ("logic", "  of them logic", count(Kind::is_logic)),
+        ] {
+            outcome.results.add(key, label, count as f64, 17, "", "");
         }
+        let patch = [Column::new("SHA-256", "", |hash: &String| hash.as_str().into())];
+        let columns = [
+            Column::new("Block", "", |l: &StaticCheckLine| l.block.as_str().into()),
+            Column::new("What", "", |l: &StaticCheckLine| l.what.as_str().into()),
+            Column::new("Expected", "", |l: &StaticCheckLine| l.expected.into()).digits(6),
+            Column::new("Found", "", |l: &StaticCheckLine| l.found.into()).digits(6),
+            Column::new("Verdict", "", |l: &StaticCheckLine| {
+                if l.agrees { "agrees" } else { "DISAGREES" }.into()
+            }),
+        ];
+        let section = outcome.section("").long_table("patch", "", Table::of(&patch, [&hash]));
+        if !lines.is_empty() {
+            section.table("static_check", "Static check", Table::of(&columns, &lines));
+        }
+        outcome.remarks = warnings.iter().map(|warning| format!("warning: {warning}")).collect();
+        let disagree = lines.iter().filter(|l| !l.agrees).count();
         if disagree > 0 {
-            return Err(Failure {
-                code: CHECK_FAILED,
-                text: format!("static check: {disagree} of {} values disagree", lines.len()),
-            });
+            let text = format!("static check: {disagree} of {} values disagree", lines.len());
+            outcome.refused.push(text);
         }
-        Ok(())
+        outcome.tell("check", None, self.patch.json)
     }
-}
-
-fn describe(line: &StaticCheckLine) -> String {
-    let StaticCheckLine { block, what, expected, found, agrees } = line;
-    let verdict = if *agrees { "ok" } else { "DISAGREES" };
-    format!("{block} {what}: expected {expected}, found {found}: {verdict}")
 }

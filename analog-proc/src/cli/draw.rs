@@ -1,8 +1,8 @@
 //! `analog-proc draw`.
 
-use super::{Failure, PatchArgs, expect_output};
+use super::{PatchArgs, add_file, expect_output};
 use crate::draw;
-use desk::say;
+use desk::{failure::Failure, outcome::Outcome, say};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -22,13 +22,20 @@ impl Draw {
         expect_output(&out, &self.patch.patch, &["svg"])?;
         let compiled = self.patch.compile()?;
         let svg = draw::svg(&compiled.ordered);
+        let blocks = compiled.ordered.netlist.blocks.len();
+        let mut outcome = Outcome::default();
+        add_file(&mut outcome, &out);
+        if self.patch.json {
+            outcome.results.add("blocks", "Blocks", blocks as f64, 17, "", "");
+        } else {
+            outcome.title = format!("{blocks} blocks drawn to {}", out.display());
+        }
         if out.as_os_str() == "-" {
             say!("{svg}");
-            return Ok(());
+            return outcome.tell_beside("draw", self.patch.json);
         }
         std::fs::write(&out, svg)
             .map_err(|e| Failure::output(format!("cannot write {}: {e}", out.display())))?;
-        say!("{} blocks drawn to {}", compiled.ordered.netlist.blocks.len(), out.display());
-        Ok(())
+        outcome.tell("draw", None, self.patch.json)
     }
 }

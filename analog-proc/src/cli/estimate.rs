@@ -1,7 +1,6 @@
 //! How much a run would write, before it fills a disk.
 
-use super::Failure;
-use desk::note;
+use desk::{failure::Failure, note};
 use interface::Tick;
 use std::path::Path;
 

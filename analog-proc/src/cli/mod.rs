@@ -1,7 +1,4 @@
-//! The command line of `analog-proc`.
-//!
-//! Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 the partner process
-//! failed, 4 output could not be written, 130 interrupted.
+//! The command line of `analog-proc`. Exit codes stand in [`desk::command_line`].
 
 mod check;
 mod draw;
@@ -11,7 +8,12 @@ mod run;
 mod serve;
 
 use clap::{Args, Parser, Subcommand};
-use desk::command_line::{self, BAD_INPUT, INTERRUPTED, OUTPUT_FAILED};
+use desk::{
+    failure::Failure,
+    outcome::Outcome,
+    report::{Column, Table},
+    shell::{self, Manual},
+};
 use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
@@ -44,6 +46,8 @@ enum Command {
     Draw(draw::Draw),
     /// Serve a session: the digital side joins it with `digital-proc --attach NAME`
     Serve(serve::Serve),
+    #[command(flatten)]
+    Manual(Manual),
 }
 
 /// What every command that reads a patch takes.
@@ -57,7 +61,7 @@ struct PatchArgs {
     /// Machine profile: ideal, paper-class, ad4, or a file
     #[arg(long, default_value = "ideal")]
     profile: String,
-    /// Write results and faults as JSON
+    /// Print results and faults as JSON
     #[arg(long)]
     json: bool,
 }
@@ -70,24 +74,11 @@ fn parameter(text: &str) -> Result<(String, f64), String> {
     }
 }
 
-/// Why a command did not do what it was asked, with its exit code.
-struct Failure {
-    code: u8,
-    text: String,
-}
-
-impl Failure {
-    fn input(error: impl std::fmt::Display) -> Failure {
-        Failure { code: BAD_INPUT, text: error.to_string() }
-    }
-
-    fn output(error: impl std::fmt::Display) -> Failure {
-        Failure { code: OUTPUT_FAILED, text: error.to_string() }
-    }
-
-    fn interrupted(text: String) -> Failure {
-        Failure { code: INTERRUPTED, text }
-    }
+/// Names the file that a command wrote; `-` is none.
+fn add_file(outcome: &mut Outcome, out: &Path) {
+    let columns = [Column::new("File", "", |path: &&Path| path.display().to_string().into())];
+    let written = Some(&out).filter(|out| out.as_os_str() != "-");
+    outcome.section("").long_table("files", "", Table::of(&columns, written));
 }
 
 /// Whether messages go to a terminal whose user has not refused colours.
@@ -134,18 +125,13 @@ fn expect_output(out: &Path, patch: &Path, formats: &[&str]) -> Result<(), Failu
 
 /// Runs `analog-proc` on this process' arguments.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    command_line::end_without_reader();
-    let done = match cli.command {
+    shell::main(|cli: Cli| match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
         Command::Draw(c) => c.execute(),
         Command::Serve(c) => c.execute(),
-    };
-    match done {
-        Ok(()) => command_line::exit(0, ""),
-        Err(failure) => command_line::exit(failure.code, &failure.text),
-    }
+        Command::Manual(c) => c.execute::<Cli>(),
+    })
 }
 
 #[cfg(test)]
@@ -160,7 +146,7 @@ mod tests {
         let around = folder.path().join(".").join("p.toml");
         let refusal = |out: &Path| {
             let failure = expect_output(out, &patch, &["csv", "arrow"]).err()?;
-            assert_eq!(failure.code, BAD_INPUT);
+            assert_eq!(failure.code, 2);
             Some(failure.text)
         };
         assert!(refusal(&around).is_some_and(|t| t.contains("the patch itself")));

@@ -1,7 +1,7 @@
 //! Progress of a long run: a bar on a terminal, and a word where a stiff patch crawls.
 
-use crate::{net::Method, simulation::Pulse};
 use desk::note;
+use engine::{integration::Method, simulation::Pulse};
 use indicatif::{ProgressBar, ProgressStyle};
 use interface::Tick;
 use std::time::{Duration, Instant};

@@ -1,14 +1,12 @@
 //! `analog-proc run`: a patch by itself, recorded to a file.
 
-use super::{Failure, PatchArgs, check::Compiled, estimate, expect_output, progress::Progress};
+use super::{PatchArgs, add_file, check::Compiled, estimate, expect_output, progress::Progress};
 use crate::{
-    fault::RunFault,
-    net::{Block, Kind, NetId},
-    patch::suggestion,
+    net::{Block, Kind},
     record::{RecordFault, Recorder},
-    simulation::{Pulse, Simulation},
 };
-use desk::{command_line::interrupt_flag, note, say};
+use desk::{command_line::interrupt_flag, failure::Failure, note, outcome::Outcome};
+use engine::{fault::RunFault, id::NetId, simulation::Pulse};
 use interface::Tick;
 use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering};
 
@@ -49,7 +47,7 @@ impl Run {
         let names = self.recorded(&ordered)?;
         estimate::check(&self.out, self.until, self.every, names.len() + 1)?;
         let nets: Vec<NetId> = names.iter().map(|(_, id)| *id).collect();
-        let mut simulation = Simulation::new(&ordered).map_err(Failure::input)?;
+        let mut simulation = ordered.simulation().map_err(Failure::input)?;
         let write = |f: RecordFault| Failure::output(f);
         let interrupted = interrupt_flag().map_err(Failure::input)?;
         let mut recorder =
@@ -81,44 +79,49 @@ impl Run {
             return Ok(());
         }
         written.map_err(write)?;
-        let overloads: Vec<String> = simulation
-            .overloads()
-            .iter()
-            .map(|o| {
-                let name = &ordered.netlist.blocks[o.block.index()].name;
-                format!("overload: {name} at {} s ({})", o.t_s, o.value)
-            })
-            .collect();
-        for line in &overloads {
-            note!("{line}");
-        }
+        let overloads = simulation.overloads().iter().map(|o| {
+            let name = &ordered.netlist.blocks[o.block.index()].name;
+            format!("overload: {name} at {} s ({})", o.t_s, o.value)
+        });
+        let mut remarks: Vec<String> = overloads.collect();
+        // Else standard output is taken by the record.
+        let is_to_file = self.out.as_os_str() != "-";
         let advance = end.map_err(|f| {
             let text = format!("{f}\nrecorded up to there: {}", self.out.display());
-            match f {
+            remarks.iter().for_each(|line| note!("{line}"));
+            let failure = match f {
                 // Nothing else halts it: a record that failed was told above.
                 RunFault::Halted { .. } => Failure::interrupted(format!("interrupted: {text}")),
                 _ => Failure::input(text),
+            };
+            if self.patch.json && !is_to_file {
+                note!("{:#}", Outcome::default().json("run", None, Some(&failure)));
             }
+            Failure { is_told: !is_to_file, ..failure }
         })?;
-        let remarks = simulation.remarks();
-        for remark in &remarks {
-            note!("remark: {remark}");
-        }
+        remarks.extend(simulation.remarks().iter().map(|remark| format!("remark: {remark}")));
         if advance.stopped_by.is_some() {
-            note!("the run ended at {} by the patch's overload policy", advance.reached);
+            let at = advance.reached;
+            remarks.push(format!("the run ended at {at} by the patch's overload policy"));
         }
         let s = simulation.statistics();
-        let to_file = self.out.as_os_str() != "-";
+        let mut outcome = Outcome::default();
         if self.patch.json {
-            let report = serde_json::json!({ "steps": s.steps, "rejected": s.rejected, "evaluations": s.evaluations, "events": s.events, "overloads": overloads, "remarks": remarks.iter().map(ToString::to_string).collect::<Vec<_>>() });
-            // Standard output may be taken by the record.
-            if to_file {
-                say!("{report}");
-            } else {
-                note!("{report}");
+            outcome.title = ordered.netlist.title.clone();
+            outcome.remarks = remarks;
+            for (key, count) in [
+                ("steps", s.steps),
+                ("rejected", s.rejected),
+                ("evaluations", s.evaluations),
+                ("events", s.events),
+            ] {
+                outcome.results.add(key, "", count as f64, 17, "", "");
             }
-        } else if to_file {
-            say!(
+            add_file(&mut outcome, &self.out);
+        } else {
+            // Where the record is not to be mixed with words.
+            remarks.iter().for_each(|line| note!("{line}"));
+            outcome.title = format!(
                 "{}: {} steps ({} rejected), {} events; recorded to {}",
                 self.until,
                 s.steps,
@@ -127,7 +130,11 @@ impl Run {
                 self.out.display()
             );
         }
-        Ok(())
+        if is_to_file {
+            outcome.tell("run", None, self.patch.json)
+        } else {
+            outcome.tell_beside("run", self.patch.json)
+        }
     }
 
     /// Names and nets to record.
@@ -150,7 +157,7 @@ impl Run {
                 .map(|i| (name.clone(), NetId(i as u32)))
                 .ok_or_else(|| {
                     let names = netlist.nets.iter().map(|n| n.name.as_str());
-                    let help = suggestion(name, "nets", names);
+                    let help = desk::faults::suggestion(name, names);
                     Failure::input(format!("--record: the patch has no net `{name}`; {help}"))
                 })
         };

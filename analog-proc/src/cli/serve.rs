@@ -1,9 +1,9 @@
 //! `analog-proc serve`: the analog side of a session.
 
-use super::Failure;
-use crate::serve;
+use crate::session::serve;
 use desk::{
-    command_line::{BAD_INPUT, INTERRUPTED, PARTNER_FAILED, expect_files, interrupt_flag},
+    command_line::{expect_files, interrupt_flag},
+    failure::Failure,
     say,
 };
 use interface::{
@@ -33,15 +33,12 @@ impl Serve {
         } else {
             Session::create(side, Some(&self.session))
         }
-        .map_err(|fault| Failure {
+        .map_err(|fault| match fault {
             // The digital side started this one, and ended before it could come.
-            code: match fault {
-                SessionError::Deserted { .. } | SessionError::Unknown { .. } if self.joined => {
-                    PARTNER_FAILED
-                }
-                _ => BAD_INPUT,
-            },
-            text: fault.to_string(),
+            SessionError::Deserted { .. } | SessionError::Unknown { .. } if self.joined => {
+                Failure::partner(fault)
+            }
+            _ => Failure::input(fault),
         })?;
         let mut patience = Patience::interrupted_by(interrupted);
         if !self.joined {
@@ -55,17 +52,11 @@ impl Serve {
         }
         let served =
             ShmAnalog::open(&session, None, &patience).and_then(|mut port| serve::serve(&mut port));
-        served.map_err(|fault| Failure {
-            code: match &fault {
-                LinkFault::Interrupted { .. } => INTERRUPTED,
-                LinkFault::Transport { .. } if !self.joined => BAD_INPUT,
-                _ => PARTNER_FAILED,
-            },
-            text: match fault {
-                // The digital side that started this one has said why.
-                LinkFault::Interrupted { .. } if self.joined => String::new(),
-                fault => fault.to_string(),
-            },
+        served.map_err(|fault| match fault {
+            // The digital side that started this one has said why.
+            LinkFault::Interrupted { .. } if self.joined => Failure::interrupted(""),
+            LinkFault::Transport { .. } if !self.joined => Failure::input(fault),
+            fault => fault.into(),
         })
     }
 }

@@ -59,7 +59,7 @@ impl Sheet<'_> {
         let mut symbols = Group::new();
         for (block, content) in self.netlist.blocks.iter().enumerate() {
             let (x, y) = self.middle(block);
-            let id = crate::net::BlockId(u32::try_from(block).unwrap_or(u32::MAX));
+            let id = engine::id::BlockId(u32::try_from(block).unwrap_or(u32::MAX));
             let note = ordered.note(id);
             symbols = symbols.add(symbol::draw(content, note, self.layout.sizes[block], x, y));
         }

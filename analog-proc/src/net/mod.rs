@@ -4,43 +4,12 @@
 //! read-back. One block drives one net of the same name (a resolver drives two).
 //! All numbers are in problem units; parameters are already put in.
 
-mod integration;
-
 pub use crate::block::kind::{Kind, Wave};
-pub use integration::{Integration, Method, OverloadPolicy};
-
-/// Index of a net.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NetId(pub u32);
-
-/// Index of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct BlockId(pub u32);
-
-impl NetId {
-    /// As an index.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-impl BlockId {
-    /// As an index.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// A byte range in one of the patch's files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Span {
-    /// Index into the list of files.
-    pub file: u32,
-    /// First byte.
-    pub start: u32,
-    /// One past the last byte.
-    pub end: u32,
-}
+pub use desk::reader::Span;
+pub use engine::{
+    id::{BlockId, NetId},
+    integration::{Integration, Method, OverloadPolicy},
+};
 
 /// A level that is fixed in the patch or follows a net.
 #[derive(Clone, Copy, Debug, PartialEq)]

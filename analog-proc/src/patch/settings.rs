@@ -1,7 +1,7 @@
 //! The section `[integration]`: method, tolerances, overload policy, time scale.
 
 use super::fields::Fields;
-use crate::net::{Integration, Method, OverloadPolicy};
+use engine::integration::{Integration, Method, OverloadPolicy};
 
 /// Reads `[integration]`.
 pub(crate) fn integration(f: &mut Fields<'_, '_>) -> Option<Integration> {

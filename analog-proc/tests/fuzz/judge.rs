@@ -13,10 +13,13 @@
 use crate::bench::ordered;
 use crate::patch::Patch;
 use crate::random::Random;
-use analog_proc::fault::RunFault;
-use analog_proc::net::{Integration, Method, NetId};
 use analog_proc::order::Ordered;
-use analog_proc::simulation::{Pulse, Simulation};
+use engine::fault::RunFault;
+use engine::simulation::Pulse;
+use engine::{
+    id::NetId,
+    integration::{Integration, Method},
+};
 use interface::Tick;
 use std::ops::ControlFlow;
 
@@ -104,7 +107,7 @@ fn remarked(
     let mut ordered = ordered.clone();
     ordered.netlist.integration = integration;
     let nets: Vec<NetId> = (0..ordered.netlist.nets.len() as u32).map(NetId).collect();
-    let mut simulation = Simulation::new(&ordered).map_err(|f| fault(&f))?;
+    let mut simulation = ordered.simulation().map_err(|f| fault(&f))?;
     let end = Tick::from_secs(until_s).unwrap();
     let every = Tick(end.0 / (ROWS as i64 + 1));
     // The start among them: what decays is measured by what it was.

@@ -2,7 +2,7 @@
 
 use crate::TAU;
 use crate::bench::Bench;
-use analog_proc::fault::RunFault;
+use engine::fault::RunFault;
 
 #[test]
 fn a_pole_of_a_secant_of_time_ends_the_run() {

@@ -1,12 +1,15 @@
 //! `digital-proc failures`: the modes of a failure file, or its text to start from.
 
-use desk::failure::Failure;
-use desk::report::{Heading, Table};
-use desk::say;
+use desk::{
+    failure::Failure,
+    outcome::Outcome,
+    report::{Column, Table},
+    say,
+};
 use std::path::PathBuf;
 use vehicle::{
     failure_file::{FailureFile, SHIPPED_TEXT},
-    flight_mode::{Action, Effect, Schedule},
+    flight_mode::{Action, Effect, FlightScript, Schedule},
 };
 
 /// List the modes of a failure file and what happens in each; a faulty file is
@@ -17,7 +20,7 @@ pub struct Failures {
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     /// Print the shipped file, as a start for your own
-    #[arg(long, conflicts_with = "file")]
+    #[arg(long, conflicts_with_all = ["file", "json"])]
     text: bool,
     /// Print the modes as JSON
     #[arg(long)]
@@ -30,31 +33,23 @@ impl Failures {
             say!("{}", SHIPPED_TEXT.trim_end());
             return Ok(());
         }
-        let own =
-            self.file.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
+        let own = self.file.as_deref().map(FailureFile::load).transpose()?;
         let file = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
-        let mut table = Table::new(vec![
-            Heading::new("Mode", ""),
-            Heading::new("What happens", ""),
-            Heading::new("Text", ""),
-        ]);
-        for mode in &file.modes {
-            let mut events: Vec<String> = mode.actions.iter().map(words).collect();
-            if mode.schedule == Schedule::Reduced {
-                events.push("reduced schedule throughout".to_owned());
-            }
-            table.row([
-                mode.name.as_str().into(),
-                events.join(", ").into(),
-                mode.text.as_str().into(),
-            ]);
-        }
-        if self.json {
-            say!("{:#}", table.json());
-        } else {
-            say!("{}", table.text());
-        }
-        Ok(())
+        let columns = [
+            Column::new("Mode", "", |mode: &FlightScript| mode.name.as_str().into()),
+            Column::new("What happens", "", |mode: &FlightScript| {
+                let mut events: Vec<String> = mode.actions.iter().map(words).collect();
+                if mode.schedule == Schedule::Reduced {
+                    events.push("reduced schedule throughout".to_owned());
+                }
+                events.join(", ").into()
+            }),
+            Column::new("Text", "", |mode: &FlightScript| mode.text.as_str().into()),
+        ];
+        let mut outcome = Outcome::default();
+        let modes = Table::of(&columns, &file.modes);
+        outcome.section("").table("modes", "Modes of the failure file", modes);
+        outcome.tell("failures", None, self.json)
     }
 }
 

@@ -2,48 +2,38 @@
 
 use super::{Context, MachineArgs, vehicle_args::VehicleArgs};
 use crate::{
-    console::Console,
     flight::{
         AlphaPath, FlightFault, Stage, Timing,
         channels::Sampled,
-        pacing::Pacing,
         plan_record::{Pace, PlanFault, PlanRecord, WindName},
-        trace,
+        trace::{self, BATCH_ROWS, Recorder},
     },
-    report::{
-        flight::{FlightContext, flight_report},
-        pacing::{pacing_section, pacing_text},
-    },
-    saturation::Saturations,
+    linkage::console::Console,
+    report::{block_diagram, flight::ten_variables, pacing},
 };
-use clap::ValueEnum;
-use desk::failure::Failure;
-use desk::{note, say};
 use desk::{
-    progress::Progress,
+    failure::Failure,
+    note,
+    outcome::{Figure, Outcome, Run},
     report::Summary,
-    run_dir::{
-        DEFAULT_BASE, PatchIdentity, RunDirectory, RunRecord, Seed, TRANSFERS_FILE, UtcSecond,
-    },
+    run_dir::{DEFAULT_BASE, Seed, TRACE_FILE, TRANSFERS_FILE},
 };
-use interface::{Tick, frame::Samples, profile::Profile};
-use std::{path::PathBuf, time::SystemTime};
+use interface::Tick;
+use std::path::PathBuf;
 use vehicle::{
     Vehicle, failure_file::FailureFile, flight_mode::FlightMode, flight_summary::FlightSummary,
 };
 
-/// Rows in one batch of the trace: what a crash may cost.
-pub const BATCH_ROWS: usize = 64;
-
 /// Fly the first stage from lift-off to burn-out.
 #[derive(clap::Args)]
+#[command(next_help_heading = "Flight")]
 pub struct Fly {
     /// Mode of operation
     #[arg(long, default_value = "normal", value_name = "MODE",
           help = format!("Mode of operation: {}, or one of --failures", FlightMode::ALL.map(FlightMode::name).join(", ")))]
     mode: String,
     /// Failure file of your own that scripts the modes [default: the shipped one]
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Disturbances", long, value_name = "FILE")]
     failures: Option<PathBuf>,
     /// Trajectory step, the slow frame of the digital side
     #[arg(long, default_value = "100ms", value_name = "TIME")]
@@ -52,53 +42,57 @@ pub struct Fly {
     #[arg(long, default_value_t = 5, value_name = "N")]
     fast: u64,
     /// Latency from sample to transfer, at most one fast frame [default: the profile's]
-    #[arg(long, value_name = "TIME")]
+    #[arg(help_heading = "Machine", long, value_name = "TIME")]
     latency: Option<Tick>,
     /// Multiplexer skew between neighbouring ADC channels [default: the profile's]
-    #[arg(long, value_name = "TIME")]
+    #[arg(help_heading = "Machine", long, value_name = "TIME")]
     skew: Option<Tick>,
     /// Who paces the flight; `digital-proc replay` repeats either to the last bit
-    #[arg(long, value_enum, default_value = "lock-step")]
+    #[arg(help_heading = "Machine", long, value_enum, default_value = "lock-step")]
     clock: Pace,
     /// Stop before burn-out
     #[arg(long, value_name = "TIME")]
     until: Option<Tick>,
     /// Wind in the pitch plane, with its share across
-    #[arg(long, value_enum, default_value = "none")]
+    #[arg(help_heading = "Disturbances", long, value_enum, default_value = "none")]
     wind: WindName,
     /// Which member of the ensemble blows, with --wind ensemble
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(help_heading = "Disturbances", long, default_value_t = 0, value_name = "N")]
     seed: u64,
     /// Thrust misalignment in pitch, as a fraction of 3 sigma
-    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
+    #[arg(
+        help_heading = "Disturbances",
+        long,
+        default_value_t = 0.0,
+        value_name = "FRACTION",
+        allow_negative_numbers = true
+    )]
     misalign_pitch: f64,
     /// Thrust misalignment in yaw, as a fraction of 3 sigma
-    #[arg(long, default_value_t = 0.0, value_name = "FRACTION", allow_negative_numbers = true)]
+    #[arg(
+        help_heading = "Disturbances",
+        long,
+        default_value_t = 0.0,
+        value_name = "FRACTION",
+        allow_negative_numbers = true
+    )]
     misalign_yaw: f64,
     /// Wind and misalignments of the vehicle's design case for failure modes
-    #[arg(long, conflicts_with_all = ["wind", "misalign_pitch", "misalign_yaw"])]
+    #[arg(help_heading = "Disturbances", long, conflicts_with_all = ["wind", "misalign_pitch", "misalign_yaw"])]
     design_case: bool,
     /// No failure of the mode acts before this
-    #[arg(long, default_value = "0s", value_name = "TIME")]
+    #[arg(help_heading = "Disturbances", long, default_value = "0s", value_name = "TIME")]
     failure_at: Tick,
     /// How the angle of attack reaches the rotational equations
     #[arg(long, value_enum, default_value = "redundant")]
-    alpha: AlphaName,
+    alpha: AlphaPath,
     #[command(flatten)]
     vehicle: VehicleArgs,
     /// Directory for runs; each run makes its own directory there
-    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, default_value = DEFAULT_BASE, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     machine: MachineArgs,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum AlphaName {
-    /// Redundant analog integrator, corrected at the trajectory's rate
-    Redundant,
-    /// From the flight-path angle held over a trajectory step
-    Held,
 }
 
 impl Fly {
@@ -106,126 +100,82 @@ impl Fly {
         let vehicle = self.vehicle.load()?;
         let plan_record = self.plan_record(&vehicle)?;
         let plan = plan_record.plan(&vehicle)?;
-        let started = UtcSecond::from_system(SystemTime::now());
+        let parameters = plan_record.to_parameters().map_err(Failure::input)?;
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
         let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
 
-        let directory = RunDirectory::create(&self.out, &format!("fly-{}", self.mode), started)?;
-        let keep = |failure: Failure| {
-            failure
-                .and(format!("what was recorded up to there is in {}", directory.path().display()))
-        };
-        let record = self.record(&plan_record, started, console.patch_hash())?;
-        directory.write_record(&record)?;
-        let mut rows = directory.create_trace(&trace::columns(), BATCH_ROWS)?;
-        let mut paced = match self.clock {
-            Pace::LockStep => None,
-            Pace::Wall => Some((
-                directory.create_stream(TRANSFERS_FILE, &trace::transfer_columns(), BATCH_ROWS)?,
-                Pacing::new(plan_record.fast_frame()?),
-            )),
-        };
+        let (command, link) = (format!("fly {}", self.mode), self.machine.join.link_name());
+        let mut run = Run::begin(&self.out, &command, &plan.profile.name, link)?;
+        run.patch("long-period.toml", console.patch_hash());
+        run.record.parameters = parameters;
+        run.directory.write_record(&run.record)?;
+        let stream =
+            |name: &str, columns: &[_]| run.directory.create_stream(name, columns, BATCH_ROWS);
+        let mut recorder = Recorder::new(stream(TRACE_FILE, &trace::columns())?, plan.stop);
         let timing = match self.clock {
             Pace::LockStep => Timing::LockStep,
-            Pace::Wall => Timing::Wall,
-        };
-        let stop_s = plan.stop.secs();
-        let mut progress = Progress::new(stop_s as u64, "s of flight");
-        let mut saturations = Saturations::default();
-        let told = |frame: &Samples| {
-            if let Some((transfers, pacing)) = &mut paced {
-                pacing.observe(frame);
-                for transfer in frame.transfers() {
-                    transfers.push(transfer.tick, &trace::transfer_row(transfer))?;
-                }
+            Pace::Wall => {
+                let transfers = stream(TRANSFERS_FILE, &trace::transfer_columns())?;
+                recorder = recorder.paced(transfers, plan_record.fast_frame()?);
+                Timing::Wall
             }
-            Ok(())
         };
-        let flown =
-            stage.fly_timed(&mut console, &vehicle, &plan, timing, told, |frame, result| {
-                progress.at(result.sample.time_s as u64);
-                saturations.note(frame);
-                rows.push(frame.tick, &trace::row(frame, result))?;
-                Ok(())
-            });
-        progress.done();
-        let closed = rows.finish();
-        let pacing = match paced {
-            Some((transfers, pacing)) => {
-                transfers.finish()?;
-                Some(pacing)
-            }
-            None => None,
-        };
+        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut recorder);
+        let paced = recorder.pacing.clone();
+        let closed = recorder.finish();
         let summary = flown.map_err(|fault| {
-            let failure = keep(fault.into());
-            match &pacing {
-                Some(pacing) => failure.and(pacing_text(pacing)),
+            let path = run.directory.path();
+            let kept = format!("what was recorded up to there is in {}", path.display());
+            let mut failure = Failure::from(fault).and(kept);
+            failure.run = Some(path.to_owned());
+            match &paced {
+                Some(paced) => failure.and(pacing::text(paced)),
                 None => failure,
             }
         })?;
-        closed?;
+        let saturated = closed?.names(console.channels());
         let overloads = console.diagnose()?.overloads;
-        let saturated = saturations.names(console.channels());
         console.bye()?;
         drop(machine);
 
-        let trace = directory.read_trace_thinned()?;
-        let results = results(&vehicle, &summary);
-        let mut json = results.json();
-        let mut context = self.report_context(&vehicle);
-        if let Some(pacing) = &pacing {
-            json["pacing"] = pacing.json();
-            context.further.push(pacing_section(pacing));
-        }
-        directory.write_summary(&json)?;
-        let html = flight_report(&context, &results, &trace, &record).map_err(Failure::input)?;
-        let report = directory.write_report(&html)?;
-        if self.machine.json {
-            say!("{json:#}");
-        } else {
-            say!("{}", context.title);
-            say!("{}", results.text());
-            for o in &overloads {
-                say!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value);
-            }
-            if !saturated.is_empty() {
-                say!("saturated: {}", saturated.join(", "));
-            }
-            for (table, edge) in summary.edges.iter() {
-                say!("table edge: {} {edge:?}; its end value was held", table.label());
-            }
-            if let Some(pacing) = &pacing {
-                say!("{}", pacing_text(pacing).trim_end());
-            }
-            say!("report: {}", report.display());
-        }
-        Ok(())
-    }
-
-    fn report_context(&self, vehicle: &Vehicle) -> FlightContext {
         let case =
             if self.design_case { "; wind and misalignments of the design case" } else { "" };
-        FlightContext {
-            title: format!("First-stage flight, mode {}{case}", self.mode),
-            lead: "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.".into(),
-            q_alpha_limit_pa_rad: Some(vehicle.data().limits.q_alpha_padeg.to_radians()),
-            marks: Vec::new(),
-            further: Vec::new(),
+        let mut outcome = Outcome::new(
+            format!("First-stage flight, mode {}{case}", self.mode),
+            "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.",
+        );
+        add_results(&vehicle, &summary, &mut outcome.results);
+        let limit = vehicle.data().limits.q_alpha_padeg;
+        let figures = ten_variables(&run.directory.read_trace_thinned()?, limit)?;
+        outcome.section("The ten monitored variables").beside(figures);
+        outcome.section("Partition").figure(Figure::new(
+            "partition",
+            "Who computes what: control dynamics in the analog processor, trajectory dynamics in the digital one.",
+            block_diagram(),
+        ));
+        if let Some(paced) = &paced {
+            pacing::tell(paced, &mut outcome);
         }
+        let overloads = overloads
+            .iter()
+            .map(|o| format!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value));
+        outcome.remarks.extend(overloads);
+        if !saturated.is_empty() {
+            outcome.remarks.push(format!("saturated: {}", saturated.join(", ")));
+        }
+        let edges = summary.edges.iter().map(|(table, edge)| {
+            format!("table edge: {} {edge:?}; its end value was held", table.label())
+        });
+        outcome.remarks.extend(edges);
+        outcome.publish(&run, self.machine.json)
     }
 
     /// The command line as everything that the flight follows from.
     fn plan_record(&self, vehicle: &Vehicle) -> Result<PlanRecord, Failure> {
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
-        let own =
-            self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
-        let script = own
-            .as_ref()
-            .unwrap_or_else(|| FailureFile::shipped())
-            .mode(&self.mode)
-            .map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
+        let own = self.failures.as_deref().map(FailureFile::load).transpose()?;
+        let script = own.as_ref().unwrap_or_else(|| FailureFile::shipped()).mode(&self.mode)?;
         let data = vehicle.data();
         let burn_out = Tick::from_secs(data.mass.burn_time_s)
             .ok_or_else(|| Failure::input("the vehicle's burn time is out of range"))?;
@@ -242,10 +192,7 @@ impl Fly {
             latency: Tick::ZERO,
             skew: self.skew.unwrap_or_else(|| profile.skew()),
             stop: self.until.map_or(burn_out, |t| t.min(burn_out)),
-            alpha: match self.alpha {
-                AlphaName::Redundant => AlphaPath::Redundant,
-                AlphaName::Held => AlphaPath::Held,
-            },
+            alpha: self.alpha,
             wind,
             wind_seed: Seed(self.seed),
             misalign_pitch,
@@ -269,29 +216,14 @@ impl Fly {
         }
         Ok(record)
     }
-
-    fn record(
-        &self,
-        plan: &PlanRecord,
-        started: UtcSecond,
-        patch_hash: &str,
-    ) -> Result<RunRecord, Failure> {
-        let command = format!("fly {}", self.mode);
-        let link = self.machine.join.link_name();
-        Ok(RunRecord {
-            patch: Some(PatchIdentity {
-                name: "long-period.toml".to_owned(),
-                sha256: patch_hash.to_owned(),
-            }),
-            parameters: plan.to_parameters().map_err(Failure::input)?,
-            ..RunRecord::begin(command, started, &plan.profile.name, link)
-        })
-    }
 }
 
 impl From<PlanFault> for Failure {
     fn from(fault: PlanFault) -> Failure {
-        Failure::input(fault)
+        match fault {
+            PlanFault::Vehicle(faults) => faults.into(),
+            other => Failure::input(other),
+        }
     }
 }
 
@@ -306,47 +238,61 @@ impl From<FlightFault> for Failure {
 }
 
 /// The one-screen results of a flight.
-fn results(vehicle: &Vehicle, s: &FlightSummary) -> Summary {
-    let mut results = Summary::new();
-    let mut add = |key: &str, label: &str, value: f64, digits: usize, unit: &str, note: String| {
-        results.add(key, label, value, digits, unit, note);
-    };
+fn add_results(vehicle: &Vehicle, s: &FlightSummary, results: &mut Summary) {
     let q = &s.max_dynamic_pressure;
     let at = format!("at {:.1} s, Mach {:.2}, {:.2} km", q.time_s, q.mach, q.altitude_m / 1e3);
-    add("max_q_pa", "Maximum dynamic pressure", q.value, 5, "Pa", at);
-    add("max_q_time_s", "  its time", q.time_s, 4, "s", String::new());
-    add("max_q_mach", "  its Mach number", q.mach, 4, "", String::new());
-    add("max_q_altitude_m", "  its altitude", q.altitude_m, 5, "m", String::new());
-    let end = format!("at {:.2} s", s.end_time_s);
-    add("burn_out_velocity_m_s", "Burn-out velocity", s.end.speed_mps, 6, "m/s", end);
-    let gamma = s.end.path_angle_rad.to_degrees();
-    add(
-        "burn_out_flight_path_angle_deg",
-        "Burn-out flight-path angle",
-        gamma,
-        5,
-        "deg",
-        String::new(),
-    );
-    add("burn_out_altitude_m", "Burn-out altitude", s.end.altitude_m, 6, "m", String::new());
-    add("burn_out_range_m", "Burn-out range", s.range_m, 6, "m", String::new());
-    let limit = vehicle.data().limits.q_alpha_padeg;
-    let margin = format!(
-        "at {:.1} s; {:.0} % of the limit {limit:.4e}",
-        s.max_q_alpha.time_s,
-        100.0 * s.max_q_alpha.value / limit
-    );
-    add("max_q_alpha_pa_deg", "Maximum Q alpha", s.max_q_alpha.value, 5, "Pa deg", margin);
-    add("max_roll_deg", "Maximum roll", s.max_roll_rad.to_degrees(), 4, "deg", String::new());
-    add(
-        "tvc_impulse_pitch_n_s",
-        "TVC impulse, pitch",
-        s.tvc_pitch_impulse_ns,
-        5,
-        "N s",
-        String::new(),
-    );
-    add("tvc_impulse_yaw_n_s", "TVC impulse, yaw", s.tvc_yaw_impulse_ns, 5, "N s", String::new());
-    add("injectant_kg", "Injectant used", s.injectant_kg, 4, "kg", String::new());
-    results
+    let data = vehicle.data();
+    let end = if s.end_time_s < data.mass.burn_time_s { "Last" } else { "Burn-out" };
+    let end = |what: &str| format!("{end} {what}");
+    let end_time = format!("at {:.2} s", s.end_time_s);
+    let limit = data.limits.q_alpha_padeg;
+    let load = &s.max_q_alpha;
+    let of_limit = 100.0 * load.value / limit;
+    let margin = format!("at {:.1} s; {of_limit:.0} % of the limit {limit:.4e}", load.time_s);
+    let gamma_deg = s.end.path_angle_rad.to_degrees();
+    for (key, label, value, digits, unit, note) in [
+        ("max_q_pa", "Maximum dynamic pressure".into(), q.value, 5, "Pa", at),
+        ("max_q_time_s", "  its time".into(), q.time_s, 4, "s", String::new()),
+        ("max_q_mach", "  its Mach number".into(), q.mach, 4, "", String::new()),
+        ("max_q_altitude_m", "  its altitude".into(), q.altitude_m, 5, "m", String::new()),
+        ("burn_out_velocity_m_s", end("velocity"), s.end.speed_mps, 6, "m/s", end_time),
+        (
+            "burn_out_flight_path_angle_deg",
+            end("flight-path angle"),
+            gamma_deg,
+            5,
+            "deg",
+            String::new(),
+        ),
+        ("burn_out_altitude_m", end("altitude"), s.end.altitude_m, 6, "m", String::new()),
+        ("burn_out_range_m", end("range"), s.range_m, 6, "m", String::new()),
+        ("max_q_alpha_pa_deg", "Maximum Q alpha".into(), load.value, 5, "Pa deg", margin),
+        (
+            "max_roll_deg",
+            "Maximum roll".into(),
+            s.max_roll_rad.to_degrees(),
+            4,
+            "deg",
+            String::new(),
+        ),
+        (
+            "tvc_impulse_pitch_n_s",
+            "TVC impulse, pitch".into(),
+            s.tvc_pitch_impulse_ns,
+            5,
+            "N s",
+            String::new(),
+        ),
+        (
+            "tvc_impulse_yaw_n_s",
+            "TVC impulse, yaw".into(),
+            s.tvc_yaw_impulse_ns,
+            5,
+            "N s",
+            String::new(),
+        ),
+        ("injectant_kg", "Injectant used".into(), s.injectant_kg, 4, "kg", String::new()),
+    ] {
+        results.add(key, &label, value, digits, unit, note);
+    }
 }

@@ -1,7 +1,6 @@
 //! The command line of `digital-proc`.
 //!
-//! Exit codes: 0 done, 1 a claim or check failed, 2 bad input or usage, 3 the partner
-//! process failed, 4 output could not be written, 130 interrupted.
+//! Exit codes stand in [`desk::command_line`].
 
 mod case_study;
 mod design_gains;
@@ -20,7 +19,11 @@ mod vehicle_args;
 
 use crate::launch::{AnalogEntry, LinkChoice, Started};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use desk::{command_line, failure::Failure};
+use desk::{
+    command_line,
+    failure::Failure,
+    shell::{self, Manual},
+};
 use std::{
     process::ExitCode,
     sync::{Arc, atomic::AtomicBool},
@@ -79,6 +82,8 @@ enum Command {
     DesignGains(design_gains::DesignGains),
     /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
     Sensitivity(sensitivity::Sensitivity),
+    #[command(flatten)]
+    Manual(Manual),
 }
 
 /// The link between the two sides.
@@ -92,6 +97,7 @@ enum LinkName {
 
 // How the machine is put together. (No doc comment: it would be the help of who flattens it.)
 #[derive(Args)]
+#[command(next_help_heading = "Machine")]
 struct JoinArgs {
     /// How the two sides are joined
     #[arg(long, value_enum, default_value = "shm", conflicts_with = "attach")]
@@ -107,10 +113,10 @@ struct MachineArgs {
     #[command(flatten)]
     join: JoinArgs,
     /// Machine profile: ideal, paper-class, ad4, or a file
-    #[arg(long, default_value = "ideal")]
+    #[arg(long, default_value = "ideal", help_heading = "Machine")]
     profile: String,
-    /// Print the summary as JSON
-    #[arg(long)]
+    /// Print the result as JSON
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
@@ -148,32 +154,24 @@ impl MachineArgs {
 
 /// Runs `digital-proc` on this process' arguments.
 pub fn main(analog: AnalogEntry) -> ExitCode {
-    let cli = Cli::parse();
-    command_line::end_without_reader();
-    let interrupted = match command_line::interrupt_flag() {
-        Ok(flag) => flag,
-        Err(error) => {
-            let text = format!("cannot catch signals: {error}");
-            return command_line::exit(command_line::BAD_INPUT, &text);
+    shell::main(|cli: Cli| {
+        let interrupted = command_line::interrupt_flag()
+            .map_err(|error| Failure::input(format!("cannot catch signals: {error}")))?;
+        let context = Context { analog, interrupted };
+        match cli.command {
+            Command::CaseStudy(c) => c.execute(&context),
+            Command::Fly(c) => c.execute(&context),
+            Command::Replay(c) => c.execute(&context),
+            Command::List(c) => c.execute(),
+            Command::Export(c) => c.execute(),
+            Command::Plot(c) => c.execute(),
+            Command::ShortPeriod(c) => c.execute(&context),
+            Command::Sampling(c) => c.execute(&context),
+            Command::LongPeriod(c) => c.execute(&context),
+            Command::Failures(c) => c.execute(),
+            Command::DesignGains(c) => c.execute(&context),
+            Command::Sensitivity(c) => c.execute(&context),
+            Command::Manual(c) => c.execute::<Cli>(),
         }
-    };
-    let context = Context { analog, interrupted };
-    let done = match cli.command {
-        Command::CaseStudy(c) => c.execute(&context),
-        Command::Fly(c) => c.execute(&context),
-        Command::Replay(c) => c.execute(&context),
-        Command::List(c) => c.execute(),
-        Command::Export(c) => c.execute(),
-        Command::Plot(c) => c.execute(),
-        Command::ShortPeriod(c) => c.execute(&context),
-        Command::Sampling(c) => c.execute(&context),
-        Command::LongPeriod(c) => c.execute(&context),
-        Command::Failures(c) => c.execute(),
-        Command::DesignGains(c) => c.execute(&context),
-        Command::Sensitivity(c) => c.execute(&context),
-    };
-    match done {
-        Ok(()) => command_line::exit(0, ""),
-        Err(failure) => command_line::exit(failure.code, &failure.text),
-    }
+    })
 }

@@ -1,26 +1,23 @@
 //! `digital-proc replay`: a recorded flight once more, compared bit by bit.
 
-use super::{Context, JoinArgs, fly::BATCH_ROWS, runs::open_run};
+use super::{Context, JoinArgs, runs::Which};
 use crate::{
-    console::{Console, ConsoleFault},
     flight::{
         FlightFault, Stage, Timing, TransferLog,
-        plan_record::{Pace, PlanRecord},
-        trace,
+        plan_record::{Pace, PlanFault, PlanRecord},
+        trace::{self, BATCH_ROWS, Recorder},
     },
+    linkage::console::{Console, ConsoleFault},
 };
-use desk::failure::Failure;
-use desk::say;
 use desk::{
+    failure::Failure,
     faults::Source,
-    progress::Progress,
+    outcome::Outcome,
     run_dir::{
-        DEFAULT_BASE, RECORD_FILE, RunDirectory, RunRecord, SUMMARY_FILE, TRACE_FILE,
-        TRANSFERS_FILE, Trace, TraceWriter, first_difference,
+        RECORD_FILE, RunRecord, SUMMARY_FILE, TRACE_FILE, TRANSFERS_FILE, Trace, TraceWriter,
+        first_difference,
     },
 };
-use serde_json::json;
-use std::path::PathBuf;
 
 /// Repeat a recorded flight in lock-step and compare it to the last bit.
 ///
@@ -33,11 +30,8 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Replay {
-    /// The run: its directory, its name, a beginning of its name, or `last`
-    run: String,
-    /// Directory where runs are kept
-    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
-    runs: PathBuf,
+    #[command(flatten)]
+    which: Which,
     #[command(flatten)]
     join: JoinArgs,
     /// Print the result as JSON
@@ -47,13 +41,13 @@ pub struct Replay {
 
 impl Replay {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
-        let directory = open_run(&self.runs, &self.run)?;
+        let directory = self.which.open()?;
         let path = directory.file(RECORD_FILE);
-        let text = interface::user_file::read_text(&path)
+        let text = desk::user_file::read_text(&path)
             .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
         let file = path.display().to_string();
         let source = Source { file: &file, text: &text };
-        let record: RunRecord = source.parse().map_err(Failure::input)?;
+        let record: RunRecord = source.parse()?;
         if record.command.split(' ').next() != Some("fly") {
             return Err(Failure::input(format!(
                 "`{}` is a run of `{}`; only flights can be replayed",
@@ -61,10 +55,8 @@ impl Replay {
                 record.command
             )));
         }
-        let plan_record = PlanRecord::from_run_toml(&path, &text).map_err(Failure::input)?;
-        let in_record = |fault: crate::flight::plan_record::PlanFault| {
-            Failure::input(format!("{}: {fault}", path.display()))
-        };
+        let plan_record = PlanRecord::from_run_toml(&path, &text)?;
+        let in_record = |fault: PlanFault| Failure::input(format!("{}: {fault}", path.display()));
         let vehicle = plan_record.vehicle().map_err(in_record)?;
         let plan = plan_record.plan(&vehicle).map_err(in_record)?;
         let recorded = directory.read_trace()?;
@@ -94,27 +86,14 @@ impl Replay {
         }
         let mut bytes = Vec::new();
         let trace_path = directory.file(TRACE_FILE);
-        let mut rows = TraceWriter::new(&mut bytes, &trace_path, &trace::columns(), BATCH_ROWS)
-            .map_err(Failure::input)?;
+        let rows = TraceWriter::new(&mut bytes, &trace_path, &trace::columns(), BATCH_ROWS)?;
+        let mut recorder = Recorder::new(rows, plan.stop);
         let timing = match &transfers {
             None => Timing::LockStep,
             Some((log, _)) => Timing::Replay(log),
         };
-        let mut progress = Progress::new(plan.stop.secs() as u64, "s of flight");
-        let flown = stage.fly_timed(
-            &mut console,
-            &vehicle,
-            &plan,
-            timing,
-            |_| Ok(()),
-            |frame, result| {
-                progress.at(result.sample.time_s as u64);
-                rows.push(frame.tick, &trace::row(frame, result))?;
-                Ok(())
-            },
-        );
-        progress.done();
-        let closed = rows.finish();
+        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut recorder);
+        let closed = recorder.finish();
         // A flight that was lost is lost here too, at the same frame.
         let lost = match flown {
             Ok(_) => None,
@@ -125,53 +104,27 @@ impl Replay {
         console.bye()?;
         drop(machine);
 
-        let replayed = Trace::from_bytes(&bytes, &trace_path).map_err(Failure::input)?;
+        let replayed = Trace::from_bytes(&bytes, &trace_path)?;
         // A run that failed or was killed has no summary; the transfers of its last
         // instants may not have been told.
         let ended = directory.file(SUMMARY_FILE).is_file() && recorded.is_complete();
         let rows =
             if ended { usize::MAX } else { rows_of_a_run_cut_off(&recorded, transfers.as_ref()) };
-        self.tell(&directory, [&recorded, &replayed], rows, lost)
-    }
-
-    /// Says whether the two are one.
-    fn tell(
-        &self,
-        directory: &RunDirectory,
-        [recorded, replayed]: [&Trace; 2],
-        rows: usize,
-        lost: Option<String>,
-    ) -> Result<(), Failure> {
-        let difference = first_difference(recorded, replayed, rows);
+        let difference = first_difference(&recorded, &replayed, rows);
         let compared = recorded.rows().min(rows);
-        if self.json {
-            let result = json!({
-                "run": directory.name(),
-                "identical": difference.is_none(),
-                "rows": compared,
-                "lost": lost,
-                "difference": difference.as_ref().map(ToString::to_string),
-            });
-            say!("{result:#}");
-        }
+        let mut outcome = Outcome::new(format!("Replay of {}", directory.name()), "");
+        outcome.results.add("rows", "Rows compared", compared as f64, 17, "", "");
         match difference {
-            None => {
-                if !self.json {
-                    say!("identical: {compared} rows of {} columns", recorded.columns().len());
-                    if let Some(lost) = lost {
-                        say!("the flight was lost: {lost}");
-                    }
-                    if compared < replayed.rows() {
-                        say!("the recorded run was cut off there");
-                    }
-                }
-                Ok(())
-            }
-            Some(difference) => {
-                let what = format!("the replay of `{}` differs: {difference}", directory.name());
-                Err(Failure::failed(&what, &[]))
-            }
+            None => outcome.remarks.push("identical to the last bit".to_owned()),
+            Some(difference) => outcome
+                .refused
+                .push(format!("the replay of `{}` differs: {difference}", directory.name())),
         }
+        outcome.remarks.extend(lost.map(|lost| format!("the flight was lost: {lost}")));
+        if compared < replayed.rows() {
+            outcome.remarks.push("the recorded run was cut off there".to_owned());
+        }
+        outcome.tell("replay", Some(directory.path()), self.json)
     }
 }
 

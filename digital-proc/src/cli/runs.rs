@@ -1,11 +1,16 @@
 //! `digital-proc list | export | plot`: what runs have left behind.
 
-use desk::failure::Failure;
-use desk::note;
 use desk::{
-    report::trace_report,
+    failure::Failure,
+    note,
+    outcome::{Figure, Outcome},
+    report::{
+        Column, Table, anchor,
+        plot::{Axis, LineChart, Series, Size, line_chart},
+    },
     run_dir::{
-        DEFAULT_BASE, RunDirectory, RunState, TRANSFERS_FILE, Trace, list_runs, resolve, write_csv,
+        DEFAULT_BASE, RunDirectory, RunEntry, RunState, TRANSFERS_FILE, Trace, list_runs, resolve,
+        write_csv,
     },
 };
 use std::{
@@ -29,7 +34,7 @@ pub struct List {
 
 /// Which run is meant.
 #[derive(clap::Args)]
-struct Which {
+pub(super) struct Which {
     /// The run: its directory, its name, a beginning of its name, or `last`
     run: String,
     /// Directory where runs are kept
@@ -54,6 +59,9 @@ pub struct Export {
     /// File to write [default: standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Print what was written as JSON
+    #[arg(long, requires = "out")]
+    json: bool,
 }
 
 /// Every column of a run against time, as one HTML page.
@@ -64,70 +72,69 @@ pub struct Plot {
     /// File to write [default: plots.html in the run's directory]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 impl Which {
-    fn open(&self) -> Result<RunDirectory, Failure> {
-        open_run(&self.runs, &self.run)
+    /// The run that is meant. Where `last` or the beginning of a name leads to it, it is told.
+    pub(super) fn open(&self) -> Result<RunDirectory, Failure> {
+        let directory = resolve(&self.runs, &self.run)?;
+        let name = directory.name();
+        if name != self.run && Path::new(&self.run).components().count() == 1 {
+            note!("run {name}");
+        }
+        Ok(directory)
     }
-}
-
-/// The run that a user means by `text`. Where it is only the beginning of a name, the run that
-/// was taken is told.
-pub(super) fn open_run(base: &Path, text: &str) -> Result<RunDirectory, Failure> {
-    let directory = resolve(base, text).map_err(Failure::input)?;
-    let name = directory.name();
-    if name != text && name.starts_with(text) {
-        eprintln!("run {name}");
-    }
-    Ok(directory)
 }
 
 impl List {
     pub fn execute(self) -> Result<(), Failure> {
         let runs = list_runs(&self.runs)?;
+        let base = self.runs.display();
+        let title = if runs.is_empty() { format!("no runs in `{base}`") } else { String::new() };
+        let columns = [
+            Column::new("Name", "", |run: &RunEntry| run.name.as_str().into()),
+            Column::new("State", "", |run: &RunEntry| match run.state {
+                RunState::Complete => "complete".into(),
+                RunState::Unreadable => "unreadable".into(),
+                RunState::Unfinished => "unfinished".into(),
+            }),
+            Column::new("Command", "", |run: &RunEntry| run.command.as_str().into()),
+            Column::new("Started", "", |run: &RunEntry| run.started.as_str().into()),
+            Column::new("Path", "", |run: &RunEntry| run.path.display().to_string().into()),
+        ];
+        let mut outcome = Outcome::new(title, "");
+        let table = Table::of(&columns, &runs);
         if self.json {
-            let text = serde_json::to_string_pretty(&runs).map_err(Failure::input)?;
-            return print(|out| writeln!(out, "{text}"));
+            outcome.section("").long_table("runs", "", table);
+        } else if !runs.is_empty() {
+            outcome.title = Table::of(&columns[..3], &runs).text();
         }
-        if runs.is_empty() {
-            let base = self.runs.display();
-            return print(|out| writeln!(out, "no runs in `{base}`"));
-        }
-        let width = runs.iter().map(|r| r.name.chars().count()).max().unwrap_or(0);
-        print(|out| {
-            for run in &runs {
-                let state = match run.state {
-                    RunState::Complete => "complete  ",
-                    RunState::Unreadable => "unreadable",
-                    RunState::Unfinished => "unfinished",
-                };
-                writeln!(out, "{:width$}  {state}  {}", run.name, run.command)?;
-            }
-            Ok(())
-        })
+        outcome.tell("list", None, self.json)
     }
 }
 
 impl Export {
     pub fn execute(self) -> Result<(), Failure> {
         // `--csv` names the format; without it there is the same one.
-        let Export { which, csv: _, transfers, out } = self;
+        let Export { which, csv: _, transfers, out, json } = self;
         let directory = which.open()?;
         let trace = if transfers {
             Trace::read(&directory.file(TRANSFERS_FILE))
         } else {
             directory.read_trace()
-        }
-        .map_err(Failure::input)?;
+        }?;
         if !trace.is_complete() {
             note!("the run was cut off: {} rows are whole", trace.rows());
         }
         match out {
             Some(path) => {
                 trace.export_csv(&path)?;
-                let (rows, path) = (trace.rows(), path.display());
-                print(|out| writeln!(out, "{rows} rows: {path}"))
+                let title = format!("{} rows: {}", trace.rows(), path.display());
+                let rows = Some(trace.rows());
+                tell_file("export", title, rows, &path, &directory, json)
             }
             None => print(|out| write_csv(&trace, out)),
         }
@@ -139,7 +146,23 @@ impl Plot {
         let directory = self.which.open()?;
         let record = directory.read_record()?;
         let trace = directory.read_trace_thinned()?;
-        let html = trace_report(&directory.name(), &trace, &record);
+        let mut outcome = Outcome::new(directory.name(), "");
+        let time_s = trace.time_s();
+        let columns = trace.columns().iter().enumerate();
+        let figures = columns.filter_map(|(index, column)| {
+            let series = Series::line("", &time_s, trace.values(index)?);
+            let (x, y) = (Axis::new("Time", "s"), Axis::new(&*column.name, &*column.unit));
+            let chart = LineChart::new("", x, y, vec![series]).size(Size::HALF);
+            let caption = format!("{} against time.", column.name);
+            Some(Figure::new(anchor(&column.name), caption, line_chart(&chart)))
+        });
+        let mut extent = format!("{} rows of {} columns.", trace.recorded(), trace.columns().len());
+        if !trace.is_complete() {
+            extent +=
+                " The run did not end its trace: rows after the last complete batch are lost.";
+        }
+        outcome.section("Time histories").aside(extent).beside(figures.collect());
+        let html = outcome.page(&record);
         let path = match self.out {
             Some(path) => {
                 std::fs::write(&path, html).map_err(|e| {
@@ -152,8 +175,27 @@ impl Plot {
                 directory.file(PLOTS_FILE)
             }
         };
-        print(|out| writeln!(out, "plots: {}", path.display()))
+        let title = format!("plots: {}", path.display());
+        tell_file("plot", title, None, &path, &directory, self.json)
     }
+}
+
+/// Says which file was made of a run.
+fn tell_file(
+    command: &str,
+    title: String,
+    rows: Option<usize>,
+    path: &Path,
+    run: &RunDirectory,
+    json: bool,
+) -> Result<(), Failure> {
+    let mut outcome = Outcome::new(title, "");
+    if json && let Some(rows) = rows {
+        outcome.results.add("rows", "Rows", rows as f64, 17, "", "");
+    }
+    let columns = [Column::new("File", "", |path: &&Path| path.display().to_string().into())];
+    outcome.section("").long_table("files", "", Table::of(&columns, [&path]));
+    outcome.tell(command, Some(run.path()), json)
 }
 
 /// Writes to standard output. A reader that has seen enough (`| head`) is no fault.

@@ -70,7 +70,7 @@ struct Lab<T: Args> {
 
 impl<T: Experiment> Lab<T> {
     fn execute(self, context: &Context) -> Result<(), Failure> {
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
         let command = format!("sampling {}", T::NAME);

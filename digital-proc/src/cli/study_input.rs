@@ -8,7 +8,7 @@ use crate::study::short_period::{plan::Plan, study_file::Study};
 use desk::failure::Failure;
 use desk::{
     faults::suggestion,
-    run_dir::{Column, RunDirectory, RunRecord, TraceError, TraceWriter, UtcSecond},
+    run_dir::{Column, RunDirError, RunDirectory, RunRecord, TraceWriter, UtcSecond},
 };
 use interface::{Tick, profile::Profile};
 use std::{fs::File, path::PathBuf};
@@ -130,7 +130,7 @@ impl<'a> Curves<'a> {
         &self,
         mut trace: TraceWriter<File>,
         tick: impl Fn(usize) -> Tick,
-    ) -> Result<(), TraceError> {
+    ) -> Result<(), RunDirError> {
         let rows = self.values.iter().map(|v| v.len()).max().unwrap_or(0);
         let mut row = vec![f64::NAN; self.values.len()];
         for i in 0..rows {

@@ -15,11 +15,10 @@ pub struct VehicleArgs {
 impl VehicleArgs {
     /// Reads and checks it.
     pub fn load(&self) -> Result<Vehicle, Failure> {
-        match &self.vehicle {
+        Ok(match &self.vehicle {
             Some(path) => Vehicle::load(path),
             None => Vehicle::shipped(),
-        }
-        .map_err(Failure::input)
+        }?)
     }
 }
 

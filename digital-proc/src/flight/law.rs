@@ -36,6 +36,7 @@ use vehicle::{
 const CORRECTION_GAIN: f64 = 0.5;
 
 /// The digital side of one flight.
+#[derive(Clone)]
 pub struct FlightLaw<'v> {
     vehicle: &'v Vehicle,
     case: &'v FlightCase,

@@ -14,12 +14,12 @@ pub use channels::AttitudeSample;
 pub use law::FrameResult;
 pub use timing::{OutOfOrder, Timing, TransferLog};
 
-use crate::{
-    console::{Console, ConsoleFault},
+use crate::linkage::{
+    console::{Console, ConsoleFault, Law},
     executive::Rate,
 };
 use channels::StageChannels;
-use desk::run_dir::TraceError;
+use desk::run_dir::RunDirError;
 use interface::{
     Tick,
     control::{Clock, PatchBundle, RunSpec},
@@ -28,7 +28,6 @@ use interface::{
     profile::Profile,
 };
 use law::FlightLaw;
-use std::cell::Cell;
 use vehicle::{
     Vehicle,
     flight_summary::{FlightMonitor, FlightSummary},
@@ -37,12 +36,14 @@ use vehicle::{
 };
 
 /// How the angle of attack reaches the rotational equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum AlphaPath {
-    /// By the redundant analog integrator, corrected at the trajectory's rate.
+    /// Redundant analog integrator, corrected at the trajectory's rate
     Redundant,
-    /// From the flight-path angle held over a trajectory step.
+    /// From the flight-path angle held over a trajectory step
     Held,
 }
 
@@ -88,7 +89,7 @@ pub enum FlightFault {
     },
     /// The observer could not write its trace.
     #[error(transparent)]
-    Trace(#[from] TraceError),
+    Trace(#[from] RunDirError),
     /// Nothing was flown.
     #[error("the flight had no frame")]
     NoFrame,
@@ -160,164 +161,124 @@ impl Stage {
         Ok(Stage { channels: StageChannels::resolve(console)?, parameters })
     }
 
-    /// Flies `plan` (its profile was settled at loading) from initial conditions
-    /// and tells `observe` of every frame. Where `vehicle` differs from the one
-    /// loaded in what the patch takes as parameters, they are set first.
+    /// Flies `plan` (its profile was settled at loading) from initial conditions. Where `vehicle`
+    /// differs from the one loaded in what the patch takes as parameters, they are set first.
     ///
     /// # Errors
-    /// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
+    /// [`FlightFault`]: the machine, the trajectory, the plan or the observer's record.
     pub fn fly(
         &mut self,
         console: &mut Console<'_>,
         vehicle: &Vehicle,
         plan: &FlightPlan,
-        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
-    ) -> Result<FlightSummary, FlightFault> {
-        self.fly_timed(console, vehicle, plan, Timing::LockStep, |_| Ok(()), observe)
-    }
-
-    /// As [`Stage::fly`], free-running or as it was recorded. `told` hears of every frame
-    /// that came, also of those in which the flight was lost already.
-    ///
-    /// # Errors
-    /// As [`Stage::fly`].
-    pub fn fly_timed(
-        &mut self,
-        console: &mut Console<'_>,
-        vehicle: &Vehicle,
-        plan: &FlightPlan,
         timing: Timing<'_>,
-        told: impl FnMut(&Samples) -> Result<(), FlightFault>,
-        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
+        observer: &mut impl Observer,
     ) -> Result<FlightSummary, FlightFault> {
         let parameters = parameters(vehicle);
         if parameters != self.parameters {
             console.set_params(parameters.clone())?;
             self.parameters = parameters;
         }
-        let nothing = |_: &Samples, _: &FrameResult, _: &mut Updates| ();
-        let with = (vehicle, &self.channels);
-        fly_loaded(console, with, plan, timing, nothing, (told, observe))
-    }
-
-    /// As [`Stage::fly`], with a further digital task on a patch that has more channels than the
-    /// shipped one: `task` adds to updates n, or changes them, after the flight's own tasks.
-    ///
-    /// # Errors
-    /// As [`Stage::fly`].
-    pub fn fly_with(
-        &mut self,
-        console: &mut Console<'_>,
-        vehicle: &Vehicle,
-        plan: &FlightPlan,
-        task: impl FnMut(&Samples, &FrameResult, &mut Updates),
-        observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
-    ) -> Result<FlightSummary, FlightFault> {
-        let with = (vehicle, &self.channels);
-        let told = |_: &Samples| Ok(());
-        fly_loaded(console, with, plan, Timing::LockStep, task, (told, observe))
-    }
-}
-
-/// Loads the stage patch, flies `plan` and tells `observe` of every frame.
-///
-/// # Errors
-/// [`FlightFault`]: the machine, the trajectory, the plan or the observer.
-pub fn fly(
-    console: &mut Console<'_>,
-    vehicle: &Vehicle,
-    plan: &FlightPlan,
-    observe: impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
-) -> Result<FlightSummary, FlightFault> {
-    let mut stage = Stage::load(console, vehicle, &plan.profile)?;
-    stage.fly(console, vehicle, plan, observe)
-}
-
-fn fly_loaded(
-    console: &mut Console<'_>,
-    (vehicle, channels): (&Vehicle, &StageChannels),
-    plan: &FlightPlan,
-    timing: Timing<'_>,
-    mut task: impl FnMut(&Samples, &FrameResult, &mut Updates),
-    (mut told, mut observe): (
-        impl FnMut(&Samples) -> Result<(), FlightFault>,
-        impl FnMut(&Samples, &FrameResult) -> Result<(), FlightFault>,
-    ),
-) -> Result<FlightSummary, FlightFault> {
-    let frame =
-        plan.slow.fast_period(plan.step).filter(|t| *t > Tick::ZERO).ok_or(
+        let frame = plan.slow.fast_period(plan.step).filter(|t| *t > Tick::ZERO).ok_or(
             FlightFault::Periods { step: plan.step, fast_frames: plan.slow.fast_frames() },
         )?;
-    let make_law = || {
-        FlightLaw::new(vehicle, &plan.case, channels.clone(), plan.alpha, (plan.slow, plan.step))
-    };
-    let mut law = make_law();
-    let incidence = law.initial_incidence_rad();
-    console.set_ics(vec![("alpha_int".to_owned(), incidence)])?;
-    preset(console, make_law(), incidence, vehicle)?;
+        let channels = self.channels.clone();
+        let law = FlightLaw::new(vehicle, &plan.case, channels, plan.alpha, (plan.slow, plan.step));
+        let incidence = law.initial_incidence_rad();
+        console.set_ics(vec![("alpha_int".to_owned(), incidence)])?;
+        preset(console, law.clone(), incidence, vehicle)?;
 
-    let spec = RunSpec {
-        frame,
-        latency: plan.latency,
-        skew: plan.skew,
-        stop: plan.stop,
-        from_ic: true,
-        clock: timing.clock(),
-    };
-    let _kept = match spec.clock {
-        Clock::Wall { processor } => processor.and_then(Kept::on),
-        Clock::LockStep | Clock::Replay => None,
-    };
-    let mut monitor = FlightMonitor::new(vehicle);
-    // Set by either part of a frame; the analog run is then ended in good order, so
-    // that the session can go on.
-    let lost = Cell::new(None);
-    let is_lost = || {
-        let fault = lost.take();
-        let is_lost = fault.is_some();
-        lost.set(fault);
-        is_lost
-    };
-    console.operate_then::<_, FlightFault>(
-        &spec,
-        |samples: &Samples, updates: &mut Updates| {
-            if let Some(effective) = timing.effective(samples.frame) {
-                updates.effective = effective;
-            }
-            if !is_lost() {
-                match law.frame(samples, updates) {
-                    Ok(result) => {
-                        task(samples, &result, updates);
-                        return Ok(Some(result));
-                    }
-                    Err(fault) => lost.set(Some(fault)),
-                }
-            }
-            updates.mode = ModeCommand::End as u32;
-            updates.effective = samples.tick;
-            Ok(None)
-        },
-        |samples, result| {
-            let keep = || {
-                told(samples)?;
-                if let Some(result) = result {
-                    monitor.observe(&result.sample, result.edges);
-                    observe(samples, &result)?;
-                }
-                Ok(())
-            };
-            if let Err(fault) = keep()
-                && !is_lost()
-            {
-                lost.set(Some(fault));
-            }
-            Ok(())
-        },
-    )?;
-    if let Some(fault) = lost.take() {
-        return Err(fault);
+        let spec = RunSpec {
+            frame,
+            latency: plan.latency,
+            skew: plan.skew,
+            stop: plan.stop,
+            from_ic: true,
+            clock: timing.clock(),
+        };
+        let _kept = match spec.clock {
+            Clock::Wall { processor } => processor.and_then(Kept::on),
+            Clock::LockStep | Clock::Replay => None,
+        };
+        let monitor = FlightMonitor::new(vehicle);
+        let mut flying = Flying { law, timing, monitor, observer, result: None, lost: None };
+        console.run(&spec, &mut flying)?;
+        match flying.lost {
+            Some(fault) => Err(fault),
+            None => flying.monitor.finish().ok_or(FlightFault::NoFrame),
+        }
     }
-    monitor.finish().ok_or(FlightFault::NoFrame)
+}
+
+/// Who looks on at a flight, frame by frame; a closure hears of every frame flown.
+pub trait Observer {
+    /// Adds to updates n, or changes them, after the flight's own tasks.
+    fn task(&mut self, _samples: &Samples, _result: &FrameResult, _updates: &mut Updates) {}
+
+    /// Every frame that came, also those in which the flight was lost already.
+    ///
+    /// # Errors
+    /// The record cannot be kept, which ends the flight.
+    fn told(&mut self, _samples: &Samples) -> Result<(), RunDirError> {
+        Ok(())
+    }
+
+    /// A frame flown.
+    ///
+    /// # Errors
+    /// As [`Observer::told`].
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError>;
+}
+
+impl<F: FnMut(&Samples, &FrameResult)> Observer for F {
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
+        self(samples, result);
+        Ok(())
+    }
+}
+
+/// A flight under way.
+struct Flying<'a, O> {
+    law: FlightLaw<'a>,
+    timing: Timing<'a>,
+    monitor: FlightMonitor,
+    observer: &'a mut O,
+    result: Option<FrameResult>,
+    lost: Option<FlightFault>,
+}
+
+impl<O: Observer> Law for Flying<'_, O> {
+    fn frame(&mut self, samples: &Samples, updates: &mut Updates) {
+        if let Some(effective) = self.timing.effective(samples.frame) {
+            updates.effective = effective;
+        }
+        if self.lost.is_none() {
+            match self.law.frame(samples, updates) {
+                Ok(result) => {
+                    self.observer.task(samples, &result, updates);
+                    self.result = Some(result);
+                    return;
+                }
+                Err(fault) => self.lost = Some(fault),
+            }
+        }
+        updates.mode = ModeCommand::End as u32;
+        updates.effective = samples.tick;
+    }
+
+    fn after(&mut self, samples: &Samples) {
+        let result = self.result.take();
+        let kept = self.observer.told(samples).and_then(|()| match result {
+            Some(result) => {
+                self.monitor.observe(&result.sample, result.edges);
+                self.observer.flown(samples, &result)
+            }
+            None => Ok(()),
+        });
+        if let Err(fault) = kept {
+            self.lost.get_or_insert(fault.into());
+        }
+    }
 }
 
 /// Sets before OPERATE what the first updates will set again, so that with a

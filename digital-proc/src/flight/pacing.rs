@@ -13,7 +13,6 @@ use interface::{
     Tick,
     frame::{RunState, Samples},
 };
-use serde_json::{Value, json};
 
 /// Samples later than this part of a frame are counted as late in the account of the jitter.
 const JITTER_PARTS: i64 = 10;
@@ -125,39 +124,6 @@ impl Pacing {
         frames.dedup();
         frames.len() as u64
     }
-
-    /// For machines: counts, quantiles of latency and lateness in seconds, and every overrun.
-    pub fn json(&self) -> Value {
-        let of = |times: &[Tick], part| quantile(times, part).map(Tick::secs);
-        let latency = |part| of(&self.latencies, part);
-        let lateness = |part| of(&self.lateness, part);
-        let (margin, late) = self.jitter();
-        let overruns: Vec<Value> = self
-            .overruns
-            .iter()
-            .map(|overrun| match overrun.late {
-                Late::Samples(by) => {
-                    json!({"frame": overrun.frame, "late": "samples", "by_s": by.secs()})
-                }
-                Late::Updates(by) => {
-                    json!({"frame": overrun.frame, "late": "updates", "by_s": by.map(Tick::secs)})
-                }
-            })
-            .collect();
-        json!({
-            "frames": self.frames,
-            "frames_overrun": self.frames_overrun(),
-            "latency_median_s": latency(0.5),
-            "latency_99_percent_s": latency(0.99),
-            "latency_max_s": latency(1.0),
-            "samples_late_median_s": lateness(0.5),
-            "samples_late_99_percent_s": lateness(0.99),
-            "samples_late_max_s": lateness(1.0),
-            "jitter_margin_s": margin.secs(),
-            "samples_beyond_jitter_margin": late,
-            "overruns": overruns,
-        })
-    }
 }
 
 /// The time that `part` (0 to 1) of `times` do not exceed; `None` without any.
@@ -220,6 +186,5 @@ mod tests {
         assert_eq!(quantile(pacing.latencies(), 1.0), Some(Tick(1_300)));
         assert_eq!(quantile(pacing.lateness(), 1.0), Some(Tick(1_000)));
         assert_eq!(pacing.jitter(), (Tick(100), 2));
-        assert_eq!(pacing.json()["overruns"].as_array().unwrap().len(), 4);
     }
 }

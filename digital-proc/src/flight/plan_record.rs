@@ -112,6 +112,16 @@ pub enum PlanFault {
         /// Fast frames in it.
         fast: u64,
     },
+    /// A latency that the frame cycle does not have.
+    #[error(
+        "--latency {latency} must lie between 0 and one fast frame, {fast}; choose another --latency, --frame or --fast"
+    )]
+    Latency {
+        /// As asked for.
+        latency: Tick,
+        /// The fast frame.
+        fast: Tick,
+    },
     /// The vehicle's wind.
     #[error(transparent)]
     Wind(#[from] TableError),
@@ -145,7 +155,10 @@ impl PlanRecord {
     /// # Errors
     /// [`PlanFault`] when it cannot be flown.
     pub fn plan(&self, vehicle: &Vehicle) -> Result<FlightPlan, PlanFault> {
-        self.fast_frame()?;
+        let fast = self.fast_frame()?;
+        if self.latency < Tick::ZERO || self.latency > fast {
+            return Err(PlanFault::Latency { latency: self.latency, fast });
+        }
         let slow = Rate::every(self.fast).ok_or(PlanFault::NoFastFrame)?;
         if !(self.misalign_pitch.is_finite() && self.misalign_yaw.is_finite()) {
             return Err(PlanFault::Misalignment);
@@ -236,7 +249,7 @@ mod tests {
             misalign_yaw: -1.0 / 3.0,
             failure_at: Tick(1),
             mode: mode.script().clone(),
-            profile: Profile::load(profile).unwrap(),
+            profile: desk::profile::load(profile).unwrap(),
             vehicle: vehicle.data().clone(),
         }
     }
@@ -251,7 +264,7 @@ mod tests {
     #[test]
     fn a_flight_is_planned_alike_from_its_record() {
         for mode in FlightMode::ALL {
-            for profile in Profile::BUILT_IN {
+            for (profile, _) in desk::profile::BUILT_IN {
                 let record = record(mode, profile);
                 let read =
                     PlanRecord::from_run_toml(Path::new("run.toml"), &text(&record)).unwrap();

@@ -1,12 +1,23 @@
-//! Columns of a flight's trace, and of the transfers of one on the wall clock.
+//! The record of a flight: its trace, and the transfers of one on the wall clock.
 
-use super::{FrameResult, TransferLog};
-use desk::run_dir::{Column, Trace};
+use super::{FrameResult, Observer, TransferLog, pacing::Pacing};
+use crate::linkage::saturation::Saturations;
+use desk::{
+    progress::Progress,
+    run_dir::{Column, RunDirError, Trace, TraceWriter},
+};
 use interface::{
     Tick,
     frame::{Samples, Transfer},
 };
-use std::path::{Path, PathBuf};
+use std::{
+    fs::File,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+/// Rows in one batch of a trace: what a crash may cost.
+pub const BATCH_ROWS: usize = 64;
 
 /// One column: name, unit, and how it is read from a frame.
 type Reader = (&'static str, &'static str, fn(&Samples, &FrameResult) -> f64);
@@ -50,11 +61,10 @@ const COLUMNS: [Reader; 34] = [
 
 /// The columns in order.
 pub fn columns() -> Vec<Column> {
-    COLUMNS.iter().map(|(name, unit, _)| Column::new(*name, *unit)).collect()
+    COLUMNS.map(|(name, unit, _)| Column::new(name, unit)).into()
 }
 
-/// One row.
-pub fn row(samples: &Samples, result: &FrameResult) -> [f64; COLUMNS.len()] {
+fn row(samples: &Samples, result: &FrameResult) -> [f64; COLUMNS.len()] {
     std::array::from_fn(|i| COLUMNS[i].2(samples, result))
 }
 
@@ -64,9 +74,66 @@ pub fn transfer_columns() -> [Column; 1] {
     [Column::new("frame", "")]
 }
 
-/// One transfer.
-pub fn transfer_row(transfer: &Transfer) -> [f64; 1] {
-    [transfer.frame as f64]
+/// Keeps a flight frame by frame.
+pub struct Recorder<W: Write> {
+    rows: TraceWriter<W>,
+    /// On the wall clock: the frames whose updates took effect, with their instants.
+    transfers: Option<TraceWriter<File>>,
+    /// On the wall clock.
+    pub pacing: Option<Pacing>,
+    saturations: Saturations,
+    progress: Progress,
+}
+
+impl<W: Write> Recorder<W> {
+    /// Rows have the columns of [`columns`]; the flight ends at `stop`.
+    pub fn new(rows: TraceWriter<W>, stop: Tick) -> Recorder<W> {
+        Recorder {
+            rows,
+            transfers: None,
+            pacing: None,
+            saturations: Saturations::default(),
+            progress: Progress::new(stop.secs() as u64, "s of flight"),
+        }
+    }
+
+    /// Keeps the transfers too, of a flight on the wall clock in frames of `frame`.
+    pub fn paced(mut self, transfers: TraceWriter<File>, frame: Tick) -> Recorder<W> {
+        self.transfers = Some(transfers);
+        self.pacing = Some(Pacing::new(frame));
+        self
+    }
+
+    /// Ends the files; what was driven beyond its range.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn finish(self) -> Result<Saturations, RunDirError> {
+        self.progress.done();
+        self.rows.finish()?;
+        self.transfers.map(TraceWriter::finish).transpose()?;
+        Ok(self.saturations)
+    }
+}
+
+impl<W: Write> Observer for Recorder<W> {
+    fn told(&mut self, samples: &Samples) -> Result<(), RunDirError> {
+        if let Some(pacing) = &mut self.pacing {
+            pacing.observe(samples);
+        }
+        if let Some(transfers) = &mut self.transfers {
+            for transfer in samples.transfers() {
+                transfers.push(transfer.tick, &[transfer.frame as f64])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
+        self.progress.at(result.sample.time_s as u64);
+        self.saturations.note(samples);
+        self.rows.push(samples.tick, &row(samples, result))
+    }
 }
 
 /// Why a stream is not that of a run's transfers.

@@ -118,14 +118,13 @@ impl<'c, 'p> Bench<'c, 'p> {
     ) -> Result<Saturated, LabError> {
         let mut all = Saturations::default();
         let mut frames = Vec::new();
-        self.console.operate::<ConsoleFault>(spec, |samples, updates| {
+        self.console.run(spec, &mut |samples: &Samples, updates: &mut Updates| {
             if all.note(samples) {
                 frames.push(samples.frame);
             }
             if samples.run_state() != RunState::Ended {
                 law(samples, updates);
             }
-            Ok(())
         })?;
         Ok(Saturated { channels: all.names(self.console.channels()), frames })
     }

@@ -18,10 +18,11 @@ use crate::{
     console::Console,
     executive::Rate,
     flight::{
-        AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, channels::StageChannels,
-        stage_patch,
+        AlphaPath, FlightFault, FlightPlan, FrameResult, Observer, Stage, Timing,
+        channels::StageChannels, stage_patch,
     },
 };
+use desk::run_dir::RunDirError;
 use interface::{
     control::{ChannelKind, PatchBundle},
     frame::{ModeCommand, Samples, Updates},
@@ -260,6 +261,31 @@ struct Flown {
     end_s: f64,
 }
 
+/// The further task of a machine, and what its flight comes to.
+struct Watch {
+    slow: Rate,
+    task: Task,
+    flown: Flown,
+}
+
+impl Observer for Watch {
+    fn task(&mut self, samples: &Samples, result: &FrameResult, updates: &mut Updates) {
+        self.task.step(samples, result, updates);
+    }
+
+    fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
+        let (s, flown) = (&result.sample, &mut self.flown);
+        if self.slow.due(samples.frame) {
+            flown.pitch_rad.push(s.pitch_rad);
+        }
+        let away = (s.pitch_rad - s.pitch_command_rad).abs();
+        flown.worst_error_rad = flown.worst_error_rad.max(away);
+        flown.worst_roll_rad = flown.worst_roll_rad.max(result.attitude.angle_rad[2].abs());
+        flown.end_s = s.time_s;
+        Ok(())
+    }
+}
+
 /// A machine at one frame, from a flight and a flight with a step.
 struct Row {
     machine: (Partition, &'static str),
@@ -310,7 +336,7 @@ impl Flight {
         };
         let mut stage = Stage::load_patch(console, vehicle, &plan.profile, partition.patch())?;
         let theta_c = StageChannels::resolve(console)?.dac.theta_c;
-        let mut task = Task {
+        let task = Task {
             partition,
             frame_s: frame.secs(),
             filter_s: 1.0 / vehicle.data().bending.filter_corner_radps,
@@ -320,32 +346,16 @@ impl Flight {
             channels: Extra::resolve(console, partition)?,
             lost: false,
         };
-        let mut flown = Flown::default();
-        let summary = stage.fly_with(
-            console,
-            vehicle,
-            &plan,
-            |samples, result, updates| task.step(samples, result, updates),
-            |samples, result| {
-                let s = &result.sample;
-                if slow.due(samples.frame) {
-                    flown.pitch_rad.push(s.pitch_rad);
-                }
-                let away = (s.pitch_rad - s.pitch_command_rad).abs();
-                flown.worst_error_rad = flown.worst_error_rad.max(away);
-                let roll = result.attitude.angle_rad[2].abs();
-                flown.worst_roll_rad = flown.worst_roll_rad.max(roll);
-                flown.end_s = s.time_s;
-                Ok(())
-            },
-        );
-        match summary {
+        let mut watch = Watch { slow, task, flown: Flown::default() };
+        let flight = stage.fly(console, vehicle, &plan, Timing::LockStep, &mut watch);
+        let Watch { task, mut flown, .. } = watch;
+        flown.lost = task.lost;
+        match flight {
             Ok(summary) => flown.max_q_alpha_padeg = summary.max_q_alpha.value,
             // A tumbling stage leaves the trajectory's range: lost as well.
-            Err(FlightFault::Trajectory(_)) => task.lost = true,
+            Err(FlightFault::Trajectory(_)) => flown.lost = true,
             Err(fault) => return Err(fault),
         }
-        flown.lost = task.lost;
         Ok(flown)
     }
 

@@ -13,5 +13,4 @@ pub mod pacing;
 pub mod sensitivity;
 pub mod short_period;
 
-pub use block_diagram::{Partition, block_diagram};
-pub use flight::{FLIGHT_COLUMNS, FlightContext, flight_report, ten_variables};
+pub use block_diagram::block_diagram;

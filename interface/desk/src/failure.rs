@@ -4,7 +4,7 @@ use crate::command_line::{BAD_INPUT, CHECK_FAILED, INTERRUPTED, OUTPUT_FAILED, P
 use crate::faults::{FileFault, FileFaults};
 use interface::link::LinkFault;
 use serde_json::{Value, json};
-use std::fmt;
+use std::{fmt, path::PathBuf};
 
 /// A message for the terminal and an exit code.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,12 +14,42 @@ pub struct Failure {
     /// What to print on standard error.
     pub text: String,
     /// The faults of a user's file, where it was one.
-    pub faults: Vec<FileFault>,
+    pub faults: Vec<Fault>,
+    /// The directory of the run that failed, where one was begun.
+    pub run: Option<PathBuf>,
+    /// Whether the command's JSON, already printed, has told of it.
+    pub is_told: bool,
+}
+
+/// One fault of a user's file, as JSON has it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Fault {
+    /// Kind of fault, where kinds have names (`unknown-net`).
+    pub code: Option<&'static str>,
+    /// The file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: Option<usize>,
+    /// Column in characters, from 1.
+    pub column: Option<usize>,
+    /// What is wrong.
+    pub fault: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+impl From<&FileFault> for Fault {
+    fn from(f: &FileFault) -> Fault {
+        let (line, column) = f.place.unzip();
+        let (file, fault, remedy) = (f.file.clone(), f.fault.clone(), f.remedy.clone());
+        Fault { code: None, file, line, column, fault, remedy }
+    }
 }
 
 impl Failure {
     fn new(code: u8, text: impl fmt::Display) -> Failure {
-        Failure { code, text: text.to_string(), faults: Vec::new() }
+        let (text, faults) = (text.to_string(), Vec::new());
+        Failure { code, text, faults, run: None, is_told: false }
     }
 
     /// Bad input or usage.
@@ -56,21 +86,13 @@ impl Failure {
 
     /// The `error` of a command's JSON.
     pub fn json(&self) -> Value {
-        let faults: Vec<Value> = self
-            .faults
-            .iter()
-            .map(|f| {
-                let (line, column) = f.place.unzip();
-                json!({"file": f.file, "line": line, "column": column, "fault": f.fault, "remedy": f.remedy})
-            })
-            .collect();
-        json!({"exit_code": self.code, "text": self.text.trim_end(), "faults": faults})
+        json!({"exit_code": self.code, "text": self.text.trim_end(), "faults": self.faults})
     }
 }
 
 impl From<FileFaults> for Failure {
     fn from(faults: FileFaults) -> Failure {
-        Failure { faults: faults.0.clone(), ..Failure::input(&faults) }
+        Failure { faults: faults.0.iter().map(Fault::from).collect(), ..Failure::input(&faults) }
     }
 }
 
@@ -88,16 +110,6 @@ impl From<crate::run_dir::RunDirError> for Failure {
     fn from(error: crate::run_dir::RunDirError) -> Failure {
         match error {
             crate::run_dir::RunDirError::Write { .. } => Failure::output(error),
-            other => Failure::input(other),
-        }
-    }
-}
-
-#[cfg(feature = "runs")]
-impl From<crate::run_dir::TraceError> for Failure {
-    fn from(error: crate::run_dir::TraceError) -> Failure {
-        match error {
-            crate::run_dir::TraceError::Write { .. } => Failure::output(error),
             other => Failure::input(other),
         }
     }

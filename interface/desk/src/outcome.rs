@@ -1,7 +1,8 @@
 //! What a command came to, and how it leaves the program: terminal, page, JSON, CSV.
 //!
-//! Every command fills an [`Outcome`] and nothing else; [`Outcome::publish`] alone knows how it
-//! is shown. Its JSON has one form for all of them:
+//! Every command fills an [`Outcome`] and nothing else; [`Outcome::publish`] and, where there is no
+//! run to keep, [`Outcome::tell`] alone know how it is shown. With `--json` every command writes one
+//! object to standard output, whatever becomes of it (`tests/outcome.schema.json`):
 //!
 //! ```text
 //! command   as in the list of runs, `sampling circle`
@@ -11,18 +12,23 @@
 //! tables    by name, each a list of rows keyed like `results`
 //! claims    id, sentence, criterion, measured, verdict, remark
 //! remarks   what a reader of the numbers must know
-//! error     null, or exit_code, text and the faults of a user's file
+//! error     null, or exit_code, text and the faults of a user's file: code, file, line, column,
+//!           fault, remedy
 //! ```
+//!
+//! A command that fails before it has an outcome ([`crate::shell`]) has all but `command`, `run`
+//! and `error` empty.
 
 use crate::{
     claim::{Claim, Verdict},
     failure::Failure,
+    note,
     report::{
         Numbering, Section, Summary, Table, claims_table, claims_text, page,
         plot::{LineChart, line_chart},
         provenance, side_by_side,
     },
-    run_dir::{RunDirectory, RunRecord, Seed},
+    run_dir::{Curves, RunDirectory, RunRecord, Seed},
     say,
 };
 use maud::{Markup, html};
@@ -31,6 +37,11 @@ use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
+
+/// A table of more rows is folded on a page.
+const MOST_ROWS: usize = 60;
+/// Rows that a page has of one table; its CSV file has all.
+const MOST_ON_PAGE: usize = 1_000;
 
 /// What a command came to.
 #[derive(Clone, Debug, Default)]
@@ -49,6 +60,10 @@ pub struct Outcome {
     pub parameters: toml::Table,
     /// Seeds of random sources, for the same.
     pub seeds: BTreeMap<String, Seed>,
+    /// What beside a claim that fails makes the command end with exit code 1.
+    pub refused: Vec<String>,
+    /// Curves by the name of their trace.
+    pub traces: Vec<(&'static str, Curves)>,
     /// The page's sections in order.
     sections: Vec<(String, Vec<Part>)>,
 }
@@ -145,7 +160,10 @@ impl Outcome {
 
     /// On a terminal.
     pub fn text(&self) -> String {
-        let mut out = format!("{}\n", self.title);
+        let mut out = String::new();
+        if !self.title.is_empty() {
+            out.push_str(&format!("{}\n", self.title));
+        }
         out.push_str(&self.results.text());
         for part in self.parts() {
             match part {
@@ -195,14 +213,18 @@ impl Outcome {
         page(&self.title, &self.lead, &sections)
     }
 
-    /// What makes the command end with exit code 1: the claims that fail.
+    /// What makes the command end with exit code 1: the claims that fail, and what is refused.
     pub fn verdict(&self) -> Option<Failure> {
         let failed: Vec<&str> =
             self.claims.iter().filter(|c| c.verdict == Verdict::Fails).map(|c| &*c.id).collect();
-        (!failed.is_empty()).then(|| Failure::failed("does not hold", &failed))
+        let claims = (!failed.is_empty()).then(|| Failure::failed("does not hold", &failed));
+        self.refused.iter().fold(claims, |all, refused| match all {
+            Some(failure) => Some(failure.and(refused)),
+            None => Some(Failure::failed(refused, &[])),
+        })
     }
 
-    /// Leaves record, summary, page and tables in the run's directory and says where; `json`
+    /// Leaves record, traces, tables, summary and page in the run's directory and says where; `json`
     /// prints the summary instead.
     ///
     /// # Errors
@@ -213,25 +235,62 @@ impl Outcome {
         record.parameters.extend(self.parameters.clone());
         record.seeds.extend(self.seeds.clone());
         directory.write_record(&record)?;
+        for (name, curves) in &self.traces {
+            curves.write(directory, name)?;
+        }
         for (name, table) in self.tables() {
             directory.write_file(&format!("{name}.csv"), &table.csv().map_err(Failure::output)?)?;
         }
-        let failed = self.verdict();
-        let summary = self.json(&record.command, Some(directory.path()), failed.as_ref());
+        let summary = self.json(&record.command, Some(directory.path()), self.verdict().as_ref());
         directory.write_summary(&summary)?;
         let report = directory.write_report(&self.page(&record))?;
+        let report = format!("{}report: {}", self.text(), report.display());
+        self.say(if json { format!("{summary:#}") } else { report }, json)
+    }
+
+    /// Prints the outcome of a command that keeps no run of its own; `run` is the one it looked at.
+    ///
+    /// # Errors
+    /// A claim that fails.
+    pub fn tell(&self, command: &str, run: Option<&Path>, json: bool) -> Result<(), Failure> {
+        let text = match json {
+            true => format!("{:#}", self.json(command, run, self.verdict().as_ref())),
+            false => self.text().trim_end().to_owned(),
+        };
+        self.say(text, json)
+    }
+
+    /// The same where standard output is taken by what the command makes: JSON goes to standard
+    /// error, and words nowhere.
+    ///
+    /// # Errors
+    /// A claim that fails.
+    pub fn tell_beside(&self, command: &str, json: bool) -> Result<(), Failure> {
         if json {
-            say!("{summary:#}");
-        } else {
-            say!("{}report: {}", self.text(), report.display());
+            note!("{:#}", self.json(command, None, self.verdict().as_ref()));
         }
-        failed.map_or(Ok(()), Err)
+        self.verdict().map_or(Ok(()), |failure| Err(Failure { is_told: true, ..failure }))
+    }
+
+    fn say(&self, text: String, is_told: bool) -> Result<(), Failure> {
+        say!("{text}");
+        self.verdict().map_or(Ok(()), |failure| Err(Failure { is_told, ..failure }))
     }
 }
 
 impl Part {
     fn markup(&self, numbering: &mut Numbering) -> Markup {
         match self {
+            Part::Table { name, caption, table, .. } if table.rows.len() > MOST_ROWS => {
+                let (rows, shown) = (table.rows.len(), table.rows.len().min(MOST_ON_PAGE));
+                let first =
+                    Table { headings: table.headings.clone(), rows: table.rows[..shown].to_vec() };
+                let folded = html! { details {
+                    summary { @if shown < rows { "the first " (shown) " of " } (rows) " rows" }
+                    (first.markup())
+                } };
+                numbering.table(name, caption, folded)
+            }
             Part::Table { name, caption, table, .. } => {
                 numbering.table(name, caption, table.markup())
             }
@@ -240,6 +299,7 @@ impl Part {
                 let all: Vec<Markup> = figures.iter().map(|f| f.markup(numbering)).collect();
                 side_by_side(&all)
             }
+            Part::Words { text, .. } if text.contains('\n') => html! { pre { (text) } },
             Part::Words { text, .. } => html! { p { (text) } },
             Part::Markup(markup) => markup.clone(),
         }
@@ -291,7 +351,7 @@ impl SectionOf<'_> {
         self
     }
 
-    /// A paragraph, on the terminal too.
+    /// A paragraph, on the terminal too; one of several lines keeps them.
     pub fn words(self, text: impl Into<String>) -> Self {
         self.0.push(Part::Words { text: text.into(), on_terminal: true });
         self

@@ -5,6 +5,7 @@
 mod bell;
 mod end;
 pub mod memory;
+#[cfg(feature = "shm")]
 pub mod shm;
 mod waiting;
 

@@ -1,7 +1,7 @@
 //! `sine`, `cosine`, `arctangent`, `resolver`.
 
 use super::*;
-use crate::block::piecewise::Piecewise;
+use engine::element::piecewise::Piecewise;
 
 kind! {
     Sine

@@ -1,7 +1,7 @@
 //! `comparator`, `relay`: what switches where the sum passes a threshold.
 
 use super::*;
-use crate::block::piecewise::Piecewise;
+use engine::element::piecewise::Piecewise;
 
 kind! {
     Comparator(f) {

@@ -1,7 +1,7 @@
 //! `transport-delay`: the sum of a while ago.
 
 use super::*;
-use crate::block::delay::DelayLine;
+use engine::element::delay::DelayLine;
 
 kind! {
     TransportDelay(f) {

@@ -1,8 +1,8 @@
 //! `abs`, `min`, `max`: what diodes choose.
 
 use super::*;
-use crate::block::curve::pieces_of_abs;
-use crate::block::piecewise::Piecewise;
+use engine::element::curve::pieces_of_abs;
+use engine::element::piecewise::Piecewise;
 
 kind! {
     Abs

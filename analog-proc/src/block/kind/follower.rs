@@ -2,8 +2,8 @@
 //! would patch it.
 
 use super::*;
-use crate::block::curve::{Piece, pieces_of_dead_zone, pieces_of_limiter};
-use crate::block::scaled;
+use crate::block::lowering::scaled;
+use engine::element::curve::{Piece, pieces_of_dead_zone, pieces_of_limiter};
 
 kind! {
     /// `dy/dt = sat((Σ − y)/tau, ±rate)`.

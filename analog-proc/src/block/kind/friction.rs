@@ -1,8 +1,8 @@
 //! `dry-friction`: a body slides against it or is stuck.
 
 use super::*;
-use crate::block::friction::Friction;
-use crate::block::piecewise::Piecewise;
+use engine::element::friction::Friction;
+use engine::element::piecewise::Piecewise;
 
 kind! {
     /// `−level·sgn(in0)` when sliding, `−in1` while stuck and `|in1| ≤ breakaway`.

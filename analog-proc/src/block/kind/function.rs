@@ -1,9 +1,9 @@
 //! `function`, `function-2d`, `digital-function`: function generators, by tables.
 
 use super::*;
-use crate::block::curve::{self, Curve, band, pieces_of_table};
-use crate::block::piecewise::Piecewise;
-use crate::block::surface::{Cell, Table};
+use engine::element::curve::{self, Curve, band, pieces_of_table};
+use engine::element::piecewise::Piecewise;
+use engine::element::surface::{Cell, Table};
 
 kind! {
     Function(function) { x: Vec<f64>, y: Vec<f64> }
@@ -79,7 +79,7 @@ fn digital_function(f: &mut Fields<'_, '_>) -> Option<DigitalFunction> {
     let needed = x.as_ref().map_or(1, Vec::len);
     let first_channel = f.channel("first-channel", ChannelKind::Dcu, needed);
     let has_initial = f.place("initial").is_some();
-    let initial = f.numbers_or_none("initial");
+    let initial = f.maybe("initial", |f| f.numbers("initial"));
     if has_initial && initial.is_none() {
         return None;
     }

@@ -1,8 +1,8 @@
 //! `integrator`: the sum integrated, with feedback diodes and a mode of its own.
 
 use super::*;
-use crate::block::integrator::{Control, Stops};
-use crate::block::piecewise::Piecewise;
+use engine::element::integrator::{Control, Stops};
+use engine::element::piecewise::Piecewise;
 
 kind! {
     /// `reset_to` is read just before the edge.

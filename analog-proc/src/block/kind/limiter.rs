@@ -1,8 +1,8 @@
 //! `dead-zone`, `limiter`: limits that are fixed or follow a net.
 
 use super::*;
-use crate::block::curve::{pieces_of_dead_zone, pieces_of_limiter};
-use crate::block::piecewise::Piecewise;
+use engine::element::curve::{pieces_of_dead_zone, pieces_of_limiter};
+use engine::element::piecewise::Piecewise;
 
 kind! {
     DeadZone(dead_zone) { width: Level }

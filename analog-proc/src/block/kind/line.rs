@@ -1,7 +1,7 @@
 //! `sense`, `control`, `interrupt`: logic to and from the digital side.
 
 use super::*;
-use crate::block::logic::Store;
+use engine::element::logic::Store;
 
 kind! {
     Sense(f) { line: u32 = f.channel("line", ChannelKind::Sense, 1) }

@@ -1,7 +1,7 @@
 //! `multiplier`, `divider`, `square`, `square-root`.
 
 use super::*;
-use crate::block::piecewise::Piecewise;
+use engine::element::piecewise::Piecewise;
 
 kind! {
     Multiplier

@@ -1,8 +1,8 @@
 //! `flip-flop`, `one-shot`, `counter`: logic that stores.
 
 use super::*;
-use crate::block::logic::Store;
-use crate::block::source::Timer;
+use engine::element::logic::Store;
+use engine::element::source::Timer;
 
 kind! {
     FlipFlop(f) { initial: bool = f.flag("initial", false) }

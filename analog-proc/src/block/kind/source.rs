@@ -1,7 +1,7 @@
 //! `signal-generator`, `noise`, `constant`, `time`: what has no input.
 
 use super::*;
-use crate::block::source::{Timer, Waveform};
+use engine::element::source::{Timer, Waveform};
 use std::f64::consts::{PI, TAU};
 
 /// Wave form of a signal generator.

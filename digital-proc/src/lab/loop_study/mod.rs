@@ -20,13 +20,10 @@ use crate::console::ConsoleFault;
 use desk::{
     bundle::bundle_from_path,
     faults::{FileFault, FileFaults, Source, suggestion},
+    reader::Named,
 };
 use interface::control::{Channel, ChannelKind, PatchBundle};
-use std::{
-    ops::Range,
-    path::{Path, PathBuf},
-};
-use toml::Spanned;
+use std::path::{Path, PathBuf};
 
 /// Your own loop: a patch and a digital law from a TOML file, over frames, latencies and bits
 ///
@@ -69,13 +66,6 @@ pub struct Loop {
     study: PathBuf,
 }
 
-/// A channel by name, with its place for messages.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Named {
-    name: String,
-    span: Range<usize>,
-}
-
 #[derive(Clone, Debug)]
 struct LawSpec {
     inputs: Vec<Named>,
@@ -116,10 +106,6 @@ pub struct LoopCase {
     pub bits: Option<u32>,
 }
 
-fn named(s: &Spanned<String>) -> Named {
-    Named { name: s.get_ref().clone(), span: s.span() }
-}
-
 impl LoopStudy {
     fn source(&self) -> Source<'_> {
         Source { file: &self.file, text: &self.text }
@@ -130,7 +116,7 @@ impl LoopStudy {
         let folder = study.parent().unwrap_or(Path::new(""));
         bundle_from_path(&folder.join(&self.patch.name)).map_err(|fault| {
             let remedy = "the path is relative to the study's own folder";
-            self.source().fault(self.patch.span.clone(), fault.to_string(), remedy)
+            self.source().fault(self.patch.span, fault.to_string(), remedy)
         })
     }
 
@@ -139,7 +125,7 @@ impl LoopStudy {
     fn case_fault(&self, case: &LoopCase, cause: &LabError) -> FileFault {
         let fault = format!("frame {}, latency {}: {cause}", case.frame, case.latency);
         let remedy = "look at this study's patch, params, stop and sweep";
-        self.source().fault(self.measure.span.clone(), fault, remedy)
+        self.source().fault(self.measure.span, fault, remedy)
     }
 
     /// The law for one run, its channel names looked up in the loaded patch; faults for every
@@ -152,7 +138,7 @@ impl LoopStudy {
             if found.is_none() {
                 let fault = format!("the patch has no {what} `{}`", n.name);
                 let remedy = suggestion(&n.name, of_kind().map(|c| c.name.as_str()));
-                faults.push(self.source().fault(n.span.clone(), fault, remedy));
+                faults.push(self.source().fault(n.span, fault, remedy));
             }
             found.map_or(0, |c| c.number as usize)
         };
@@ -339,12 +325,10 @@ denominator = [1.0]
         assert_eq!(line_of(&GOOD.replace("\"50ms\"", "\"50\""), "duration"), 9);
         assert_eq!(line_of(&GOOD.replace("[0.0, 1.0]", "[0.0, 1.5]"), "1.5"), 10);
         assert_eq!(line_of(&GOOD.replace("bits = [0]", "bits = [99]"), "99"), 11);
-        assert_eq!(
-            line_of(&GOOD.replace("difference-equation", "diference-equation"), "unknown law"),
-            13
-        );
+        let unknown = GOOD.replace("difference-equation", "diference-equation");
+        assert_eq!(line_of(&unknown, "`law.kind` cannot be"), 13);
         assert_eq!(line_of(&GOOD.replace("[1.0]\n", "[0.0]\n"), "denominator"), 17);
-        assert_eq!(line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"), 13);
+        assert_eq!(line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"), 12);
         assert_eq!(line_of(&GOOD.replace("stop =", "stopp ="), "stopp"), 4);
         assert_eq!(line_of("patch = ", "string"), 1);
         let many = GOOD.replace("\"50ms\"", "\"50\"").replace("[0.0, 1.0]", "[2.0]");

@@ -6,7 +6,7 @@ mod short_period;
 
 use maud::html;
 
-use super::{Partition, block_diagram};
+use super::block_diagram;
 use crate::study::case_study::{CasePlan, CaseResults};
 use desk::report::{Numbering, Section, claims_table, page, provenance};
 use desk::run_dir::RunRecord;
@@ -17,7 +17,7 @@ pub fn case_study_report(results: &CaseResults, plan: &CasePlan, record: &RunRec
     let partition = numbering.figure(
         "partition",
         "Who computes what in the long-period flights: control dynamics in the analog processor, trajectory dynamics in the digital one. In the short-period runs the whole loop is patched; the digital side sets coefficients, initial conditions, disturbances and modes, and reads the answers.",
-        block_diagram(&Partition::long_period()),
+        block_diagram(),
     );
     let mut sections = vec![Section::new("Partition", partition)];
     sections.extend(short_period::sections(&mut numbering, results));

@@ -12,9 +12,12 @@ use super::results::{
 use crate::{
     console::{Console, ConsoleFault},
     executive::Rate,
-    flight::{AlphaPath, FlightFault, FlightPlan, Stage, channels::Sampled, stage_patch},
+    flight::{
+        AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, Timing, channels::Sampled,
+        stage_patch,
+    },
 };
-use interface::{Tick, control::PatchBundle, profile::Profile};
+use interface::{Tick, control::PatchBundle, frame::Samples, profile::Profile};
 use vehicle::{
     Vehicle,
     flight_mode::FlightScript,
@@ -223,12 +226,17 @@ impl<'a> Bench<'a> {
         };
         let mut history = History::default();
         let slow = self.plan.slow;
-        let flown = self.stage.fly(console, vehicle, &plan, |frame, result| {
-            if slow.due(frame.frame) {
-                history.push(&result.sample);
-            }
-            Ok(())
-        });
+        let flown = self.stage.fly(
+            console,
+            vehicle,
+            &plan,
+            Timing::LockStep,
+            &mut |frame: &Samples, result: &FrameResult| {
+                if slow.due(frame.frame) {
+                    history.push(&result.sample);
+                }
+            },
+        );
         let (figures, lost) = match flown {
             Ok(summary) => (Some(FlightFigures::new(&summary)), None),
             Err(

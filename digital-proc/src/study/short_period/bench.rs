@@ -10,7 +10,7 @@ use crate::console::{Console, ConsoleFault};
 use interface::{
     Tick,
     control::{ChannelKind, PatchBundle, RunSpec},
-    frame::Samples,
+    frame::{Samples, Updates},
     profile::Profile,
 };
 
@@ -100,11 +100,10 @@ impl<const N: usize> Bench<N> {
         console.preset(owned(case.settings()))?;
         let mut response = Response::new(sample_s);
         let mut saturated = false;
-        let ended = console.operate::<ConsoleFault>(spec, |samples: &Samples, _| {
+        let ended = console.run(spec, &mut |samples: &Samples, _: &mut Updates| {
             response.push(self.adc.map(|channel| samples.adc[channel]));
             saturated |= samples.adc_saturated | samples.dac_saturated != 0
                 || samples.dcu_saturated != [0; 2];
-            Ok(())
         });
         let mut seen = Vec::new();
         match ended {

@@ -12,11 +12,9 @@ mod provenance;
 mod summary;
 mod table;
 mod theme;
-mod trace_figures;
 
 pub use claims::{claims_table, claims_text};
 pub use page::{Numbering, Section, anchor, page, side_by_side};
 pub use provenance::provenance;
 pub use summary::Summary;
 pub use table::{Cell, Column, Heading, Table, definition_list};
-pub use trace_figures::{Curve, FigureSpec, trace_figure, trace_report};

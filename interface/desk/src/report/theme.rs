@@ -19,6 +19,7 @@ h3{font-size:1.05rem;margin:1.6rem 0 .5rem}
 p{max-width:46rem;margin:.6rem 0}
 .lead{color:var(--soft);font-size:1.05rem}
 a{color:var(--link)}
+pre{overflow-x:auto;font-size:.85rem}summary{cursor:pointer;color:var(--link)}
 code{font:.9em ui-monospace,"DejaVu Sans Mono",Consolas,monospace;overflow-wrap:anywhere}
 nav{background:var(--panel);border:1px solid var(--rule);border-radius:6px;padding:.7rem 1.2rem;margin:1.4rem 0;max-width:46rem}
 nav strong{display:block}

@@ -89,20 +89,24 @@ pub fn resolve(base: &Path, text: &str) -> Result<RunDirectory, RunDirError> {
         names.iter().filter(|name| !text.is_empty() && begins(name, text)).collect();
     match candidates.as_slice() {
         [one] => RunDirectory::open(&base.join(one)),
-        [] => Err(RunDirError::NoSuchRun {
-            name: text.to_owned(),
-            base: base.to_owned(),
-            nearest: names
-                .iter()
-                .map(|name| (strsim::jaro_winkler(text, name), name))
-                .filter(|(likeness, _)| *likeness > 0.8)
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, name)| name.clone()),
-        }),
-        several => Err(RunDirError::Ambiguous {
-            name: text.to_owned(),
-            candidates: several.iter().take(6).map(|name| (*name).clone()).collect(),
-        }),
+        [] => {
+            let near = names.iter().map(|name| (strsim::jaro_winkler(text, name), name));
+            let near = near.filter(|(likeness, _)| *likeness > 0.8);
+            let near = near.max_by(|a, b| a.0.total_cmp(&b.0));
+            let near = near.map(|(_, name)| format!(", did you mean `{name}`?"));
+            Err(RunDirError::Refused(format!(
+                "no run `{text}` in `{}`{}; `digital-proc list` shows the runs",
+                base.display(),
+                near.unwrap_or_default()
+            )))
+        }
+        several => {
+            let few: Vec<&str> = several.iter().take(6).map(|name| name.as_str()).collect();
+            let few = few.join(", ");
+            Err(RunDirError::Refused(format!(
+                "`{text}` may be any of {few}; give more of the name"
+            )))
+        }
     }
 }
 
@@ -122,7 +126,7 @@ const TIME: &str = "0000-00-00T00-00-00";
 
 /// Sorted names of the run directories under `base`.
 fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
-    let fail = |cause| RunDirError::Base { path: base.to_owned(), cause };
+    let fail = RunDirError::read(base);
     let entries = match fs::read_dir(base) {
         Ok(entries) => entries,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -130,7 +134,7 @@ fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
     };
     let mut names = Vec::new();
     for entry in entries {
-        let entry = entry.map_err(fail)?;
+        let entry = entry.map_err(&fail)?;
         // What cannot be looked into may be a run: it is listed with the reason.
         if holds_record(&entry.path()).unwrap_or(true) {
             names.push(entry.file_name().to_string_lossy().into_owned());
@@ -218,20 +222,19 @@ mod tests {
             "1970-01-01T00-01-3",
         ] {
             let error = resolve(base.path(), text).unwrap_err();
-            assert!(matches!(error, RunDirError::NoSuchRun { .. }), "{error}");
+            assert!(error.to_string().starts_with("no run"), "{error}");
         }
         assert_eq!(resolve(base.path(), "1970-01-01T00-01-30").unwrap().name(), again.name());
         std::fs::remove_dir_all(again.path()).unwrap();
         // A name that is also a prefix of another is itself.
         let exact = resolve(base.path(), "1970-01-01T00-00-00-fly").unwrap();
         assert_eq!(exact.name(), "1970-01-01T00-00-00-fly");
-        assert!(matches!(
-            resolve(base.path(), "1970"),
-            Err(RunDirError::Ambiguous { candidates, .. }) if candidates.len() == 3
-        ));
+        let error = resolve(base.path(), "1970").unwrap_err().to_string();
+        assert_eq!(error.matches("1970-01-01T").count(), 3, "{error}");
         let error = resolve(base.path(), "1970-01-01T00-01-00-rot").unwrap_err();
         assert!(error.to_string().contains("did you mean `1970-01-01T00-01-00-root`"));
-        assert!(matches!(resolve(base.path(), "./nowhere"), Err(RunDirError::NotARun { .. })));
+        let error = resolve(base.path(), "./nowhere").unwrap_err().to_string();
+        assert!(error.contains("not a run directory"), "{error}");
         assert!(resolve(base.path(), "").is_err());
     }
 }

@@ -10,6 +10,7 @@
 //! writes into a directory that another run has claimed.
 
 mod compare;
+mod curves;
 mod error;
 mod export;
 mod list;
@@ -21,7 +22,8 @@ mod trace_reader;
 mod utc;
 
 pub use compare::{Difference, first_difference};
-pub use error::{RunDirError, TraceError};
+pub use curves::Curves;
+pub use error::RunDirError;
 pub use export::write_csv;
 pub use list::{RunEntry, RunState, list_runs, resolve};
 pub use record::{PatchIdentity, RunRecord, Seed};
@@ -33,7 +35,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use interface::user_file;
+use crate::user_file;
 use serde::Serialize;
 
 /// Where runs are kept unless the user says otherwise.
@@ -69,8 +71,15 @@ impl RunDirectory {
         command: &str,
         started: UtcSecond,
     ) -> Result<RunDirectory, RunDirError> {
-        fs::create_dir_all(base)
-            .map_err(|cause| RunDirError::Base { path: base.to_owned(), cause })?;
+        fs::create_dir_all(base).map_err(|cause| {
+            if !base.exists() || base.is_dir() {
+                return RunDirError::write(base)(cause);
+            }
+            let base = base.display();
+            RunDirError::Refused(format!(
+                "cannot keep runs in `{base}`, which is a file; choose a directory with --out DIR"
+            ))
+        })?;
         let stem = format!("{}-{}", started.file_name(), slug(command));
         for serial in 1..=MOST_NAMESAKES {
             let name = match serial {
@@ -81,12 +90,13 @@ impl RunDirectory {
             match fs::create_dir(&path) {
                 Ok(()) => return Ok(RunDirectory { path }),
                 Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(cause) => {
-                    return Err(RunDirError::Base { path: base.to_owned(), cause });
-                }
+                Err(cause) => return Err(RunDirError::write(base)(cause)),
             }
         }
-        Err(RunDirError::TooManyNamesakes { path: base.join(stem) })
+        Err(RunDirError::Refused(format!(
+            "`{}` and all its numbered namesakes exist; remove old runs or choose another directory with --out DIR",
+            base.join(stem).display()
+        )))
     }
 
     /// The directory of an existing run.
@@ -96,8 +106,11 @@ impl RunDirectory {
     pub fn open(path: &Path) -> Result<RunDirectory, RunDirError> {
         match holds_record(path) {
             Ok(true) => Ok(RunDirectory { path: path.to_owned() }),
-            Ok(false) => Err(RunDirError::NotARun { path: path.to_owned() }),
-            Err(cause) => Err(RunDirError::Read { path: path.join(RECORD_FILE), cause }),
+            Ok(false) => Err(RunDirError::Refused(format!(
+                "`{}` is not a run directory: it holds no run.toml; `digital-proc list` shows the runs",
+                path.display()
+            ))),
+            Err(cause) => Err(RunDirError::read(&path.join(RECORD_FILE))(cause)),
         }
     }
 
@@ -121,9 +134,9 @@ impl RunDirectory {
     /// # Errors
     /// The file cannot be written, or the record holds what TOML cannot (see [`RunRecord`]).
     pub fn write_record(&self, record: &RunRecord) -> Result<(), RunDirError> {
-        let text = record.to_toml().map_err(|cause| RunDirError::UnwritableRecord {
-            path: self.file(RECORD_FILE),
-            cause,
+        let text = record.to_toml().map_err(|e| {
+            let path = self.file(RECORD_FILE);
+            RunDirError::Refused(format!("`{}` cannot be written as TOML: {e}", path.display()))
         })?;
         self.write_file(RECORD_FILE, text.as_bytes())
     }
@@ -134,8 +147,10 @@ impl RunDirectory {
     /// The file is missing or is not such a record; the parser's message has the line.
     pub fn read_record(&self) -> Result<RunRecord, RunDirError> {
         let path = self.file(RECORD_FILE);
-        let text = self.read_file(RECORD_FILE)?;
-        toml::from_str(&text).map_err(|cause| RunDirError::BadRecord { path, cause })
+        let text = user_file::read_text(&path).map_err(RunDirError::read(&path))?;
+        toml::from_str(&text).map_err(|e| {
+            RunDirError::Refused(format!("`{}` is not a run record: {e}", path.display()))
+        })
     }
 
     /// Writes `summary.json`, indented. Its presence says that the run ended by itself.
@@ -143,20 +158,11 @@ impl RunDirectory {
     /// # Errors
     /// The file cannot be written or `summary` cannot be JSON.
     pub fn write_summary(&self, summary: &impl Serialize) -> Result<(), RunDirError> {
-        let mut text = serde_json::to_string_pretty(summary)
-            .map_err(|cause| RunDirError::BadSummary { path: self.file(SUMMARY_FILE), cause })?;
-        text.push('\n');
-        self.write_file(SUMMARY_FILE, text.as_bytes())
-    }
-
-    /// Reads `summary.json` back.
-    ///
-    /// # Errors
-    /// The file is missing or no JSON.
-    pub fn read_summary(&self) -> Result<serde_json::Value, RunDirError> {
-        let path = self.file(SUMMARY_FILE);
-        let text = self.read_file(SUMMARY_FILE)?;
-        serde_json::from_str(&text).map_err(|cause| RunDirError::BadSummary { path, cause })
+        let text = serde_json::to_string_pretty(summary).map_err(|e| {
+            let path = self.file(SUMMARY_FILE);
+            RunDirError::Refused(format!("`{}` cannot be JSON: {e}", path.display()))
+        })?;
+        self.write_file(SUMMARY_FILE, format!("{text}\n").as_bytes())
     }
 
     /// Writes `report.html`.
@@ -168,31 +174,18 @@ impl RunDirectory {
         Ok(self.file(REPORT_FILE))
     }
 
-    /// Starts the trace `trace.arrow`.
+    /// Starts a trace of the given name.
     ///
     /// # Errors
     /// As [`TraceWriter::new`], or the file cannot be created.
-    pub fn create_trace(
-        &self,
-        columns: &[Column],
-        rows_per_batch: usize,
-    ) -> Result<TraceWriter<File>, TraceError> {
-        self.create_stream(TRACE_FILE, columns, rows_per_batch)
-    }
-
-    /// Starts a further trace of the given name.
-    ///
-    /// # Errors
-    /// As [`RunDirectory::create_trace`].
     pub fn create_stream(
         &self,
         name: &str,
         columns: &[Column],
         rows_per_batch: usize,
-    ) -> Result<TraceWriter<File>, TraceError> {
+    ) -> Result<TraceWriter<File>, RunDirError> {
         let path = self.file(name);
-        let file =
-            File::create(&path).map_err(|cause| TraceError::Write { path: path.clone(), cause })?;
+        let file = File::create(&path).map_err(RunDirError::write(&path))?;
         TraceWriter::new(file, &path, columns, rows_per_batch)
     }
 
@@ -200,7 +193,7 @@ impl RunDirectory {
     ///
     /// # Errors
     /// As [`Trace::read`].
-    pub fn read_trace(&self) -> Result<Trace, TraceError> {
+    pub fn read_trace(&self) -> Result<Trace, RunDirError> {
         Trace::read(&self.file(TRACE_FILE))
     }
 
@@ -208,7 +201,7 @@ impl RunDirectory {
     ///
     /// # Errors
     /// As [`Trace::read`].
-    pub fn read_trace_thinned(&self) -> Result<Trace, TraceError> {
+    pub fn read_trace_thinned(&self) -> Result<Trace, RunDirError> {
         Trace::read_thinned(&self.file(TRACE_FILE))
     }
 
@@ -226,13 +219,8 @@ impl RunDirectory {
         write().map_err(|cause| {
             // Half a file is of no use to anybody; if this fails too, the reason is the same.
             let _ = fs::remove_file(&partial);
-            RunDirError::Write { path, cause }
+            RunDirError::write(&path)(cause)
         })
-    }
-
-    fn read_file(&self, name: &str) -> Result<String, RunDirError> {
-        let path = self.file(name);
-        user_file::read_text(&path).map_err(|cause| RunDirError::Read { path, cause })
     }
 }
 
@@ -311,14 +299,5 @@ mod tests {
             text.contains(&file.path().display().to_string()) && text.contains("--out"),
             "{text}"
         );
-    }
-
-    #[test]
-    fn summary_reads_back() {
-        let base = tempfile::tempdir().unwrap();
-        let run = RunDirectory::create(base.path(), "fly", UtcSecond(0)).unwrap();
-        run.write_summary(&serde_json::json!({"max_q_pa": 95_000.5})).unwrap();
-        assert_eq!(run.read_summary().unwrap()["max_q_pa"], 95_000.5);
-        assert!(matches!(RunDirectory::open(run.path()), Err(RunDirError::NotARun { .. })));
     }
 }

@@ -83,7 +83,7 @@ impl RunRecord {
     ) -> RunRecord {
         RunRecord {
             command: command.into(),
-            command_line: std::env::args().collect(),
+            command_line: std::env::args_os().map(|w| w.to_string_lossy().into_owned()).collect(),
             started: started.to_string(),
             profile: profile.to_owned(),
             link: link.to_owned(),

@@ -15,7 +15,7 @@ use arrow_ipc::writer::StreamWriter;
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 use interface::Tick;
 
-use super::TraceError;
+use super::RunDirError;
 
 /// Name of the column that holds problem time, integer nanoseconds.
 pub(super) const TICK_COLUMN: &str = "tick";
@@ -64,13 +64,14 @@ impl<W: Write> TraceWriter<W> {
         path: &Path,
         columns: &[Column],
         rows_per_batch: usize,
-    ) -> Result<TraceWriter<W>, TraceError> {
+    ) -> Result<TraceWriter<W>, RunDirError> {
         let mut seen = BTreeSet::from([TICK_COLUMN]);
         if let Some(twice) = columns.iter().find(|c| !seen.insert(&c.name)) {
-            return Err(TraceError::DuplicateColumn {
-                path: path.to_owned(),
-                column: twice.name.clone(),
-            });
+            return Err(RunDirError::Refused(format!(
+                "trace `{}` would have two columns named `{}`; rename one",
+                path.display(),
+                twice.name
+            )));
         }
         let field = |name: &str, unit: &str, kind| {
             Field::new(name, kind, false)
@@ -102,13 +103,14 @@ impl<W: Write> TraceWriter<W> {
     ///
     /// # Errors
     /// The wrong number of values, or the sink fails.
-    pub fn push(&mut self, tick: Tick, values: &[f64]) -> Result<(), TraceError> {
+    pub fn push(&mut self, tick: Tick, values: &[f64]) -> Result<(), RunDirError> {
         if values.len() != self.columns.len() {
-            return Err(TraceError::RowWidth {
-                path: self.path.clone(),
-                columns: self.columns.len(),
-                values: values.len(),
-            });
+            return Err(RunDirError::Refused(format!(
+                "trace `{}` has {} columns, but a row of {} values was given",
+                self.path.display(),
+                self.columns.len(),
+                values.len()
+            )));
         }
         self.ticks.push(tick.0);
         for (column, &value) in self.columns.iter_mut().zip(values) {
@@ -130,7 +132,7 @@ impl<W: Write> TraceWriter<W> {
     ///
     /// # Errors
     /// The sink fails.
-    pub fn flush(&mut self) -> Result<(), TraceError> {
+    pub fn flush(&mut self) -> Result<(), RunDirError> {
         if self.ticks.is_empty() {
             return Ok(());
         }
@@ -152,7 +154,7 @@ impl<W: Write> TraceWriter<W> {
     ///
     /// # Errors
     /// The sink fails.
-    pub fn finish(mut self) -> Result<u64, TraceError> {
+    pub fn finish(mut self) -> Result<u64, RunDirError> {
         self.flush()?;
         self.encoder.finish().map_err(|cause| arrow(&self.path, cause))?;
         self.hand_over()?;
@@ -161,13 +163,13 @@ impl<W: Write> TraceWriter<W> {
     }
 
     /// Passes what the encoder holds to the sink in one write.
-    fn hand_over(&mut self) -> Result<(), TraceError> {
+    fn hand_over(&mut self) -> Result<(), RunDirError> {
         let bytes = self.encoder.get_mut();
         let written = self
             .sink
             .write_all(bytes)
             .and_then(|()| self.sink.flush())
-            .map_err(|cause| TraceError::Write { path: self.path.clone(), cause });
+            .map_err(RunDirError::write(&self.path));
         bytes.clear();
         written
     }
@@ -182,8 +184,8 @@ impl<W: Write> Drop for TraceWriter<W> {
     }
 }
 
-fn arrow(path: &Path, cause: ArrowError) -> TraceError {
-    TraceError::Arrow { path: path.to_owned(), cause }
+pub(super) fn arrow(path: &Path, cause: ArrowError) -> RunDirError {
+    RunDirError::Refused(format!("trace `{}`: {cause}", path.display()))
 }
 
 #[cfg(test)]
@@ -208,23 +210,16 @@ mod tests {
     }
 
     #[test]
-    fn a_row_of_the_wrong_width_is_refused() {
-        let mut trace =
-            TraceWriter::new(Vec::new(), Path::new("t"), &[Column::new("x", "m")], 8).unwrap();
-        assert!(matches!(
-            trace.push(Tick(0), &[1.0, 2.0]),
-            Err(TraceError::RowWidth { columns: 1, values: 2, .. })
-        ));
-    }
-
-    #[test]
-    fn two_columns_of_one_name_are_refused() {
-        for names in [["x", "x"], ["x", "tick"]] {
+    fn rows_and_columns_that_do_not_fit_are_refused() {
+        let refusal = |names: [&str; 2], row: &[f64]| {
             let columns = names.map(|name| Column::new(name, "m"));
-            assert!(matches!(
-                TraceWriter::new(Vec::new(), Path::new("t"), &columns, 8),
-                Err(TraceError::DuplicateColumn { .. })
-            ));
-        }
+            TraceWriter::new(Vec::new(), Path::new("t"), &columns, 8)
+                .and_then(|mut trace| trace.push(Tick(0), row))
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(refusal(["x", "y"], &[1.0]).contains("2 columns"));
+        assert!(refusal(["x", "x"], &[1.0, 2.0]).contains("two columns named `x`"));
+        assert!(refusal(["x", "tick"], &[1.0, 2.0]).contains("two columns named `tick`"));
     }
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use arrow_ipc::MessageHeader;
 
-use super::TraceError;
+use super::RunDirError;
 
 /// Why a stream cannot be read on.
 pub(super) enum Fault {
@@ -22,11 +22,10 @@ pub(super) enum Fault {
 
 impl Fault {
     /// The same, of the trace at `path`.
-    pub fn told_of(self, path: &Path) -> TraceError {
-        let path = path.to_owned();
+    pub fn told_of(self, path: &Path) -> RunDirError {
         match self {
-            Fault::Damaged(reason) => TraceError::NotATrace { path, reason: reason.to_owned() },
-            Fault::Io(cause) => TraceError::Io { path, cause },
+            Fault::Damaged(reason) => RunDirError::not_a_trace(path, reason),
+            Fault::Io(cause) => RunDirError::read(path)(cause),
         }
     }
 }

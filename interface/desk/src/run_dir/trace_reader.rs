@@ -12,10 +12,11 @@ use arrow_array::types::{Float64Type, Int64Type};
 use arrow_ipc::reader::StreamReader;
 use arrow_schema::{DataType, Schema};
 
+use super::RunDirError;
 use super::thin::Rows;
-use super::trace::{Column, TICK_COLUMN, UNIT_KEY};
+use super::trace::{Column, TICK_COLUMN, UNIT_KEY, arrow};
 use super::trace_messages::Messages;
-use super::{RunDirError, TraceError};
+
 /// Rows that a thinned trace has at most; every usual run has fewer.
 const MOST_ROWS: usize = 1 << 16;
 
@@ -36,7 +37,7 @@ impl Trace {
     ///
     /// # Errors
     /// The file cannot be read, ends before its column names, or is no trace.
-    pub fn read(path: &Path) -> Result<Trace, TraceError> {
+    pub fn read(path: &Path) -> Result<Trace, RunDirError> {
         Trace::collect(open(path)?, path, usize::MAX)
     }
 
@@ -45,7 +46,7 @@ impl Trace {
     ///
     /// # Errors
     /// As [`Trace::read`].
-    pub fn read_thinned(path: &Path) -> Result<Trace, TraceError> {
+    pub fn read_thinned(path: &Path) -> Result<Trace, RunDirError> {
         Trace::collect(open(path)?, path, MOST_ROWS)
     }
 
@@ -53,19 +54,22 @@ impl Trace {
     ///
     /// # Errors
     /// As [`Trace::read`].
-    pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Trace, TraceError> {
+    pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Trace, RunDirError> {
         Trace::collect(bytes, path, usize::MAX)
     }
 
-    fn collect(source: impl Read, path: &Path, most: usize) -> Result<Trace, TraceError> {
-        let not_a_trace = |reason: String| TraceError::NotATrace { path: path.to_owned(), reason };
-        let arrow = |cause| TraceError::Arrow { path: path.to_owned(), cause };
+    fn collect(source: impl Read, path: &Path, most: usize) -> Result<Trace, RunDirError> {
+        let arrow = |cause| arrow(path, cause);
         let mut messages = Messages::new(source);
         if !messages.begin().map_err(|f| f.told_of(path))? {
-            return Err(TraceError::NothingRecorded { path: path.to_owned() });
+            return Err(RunDirError::Refused(format!(
+                "trace `{}` ends before its column names are complete: nothing was recorded; repeat the run",
+                path.display()
+            )));
         }
         let mut reader = StreamReader::try_new(messages, None).map_err(arrow)?;
-        let columns = columns_of(&reader.schema()).map_err(not_a_trace)?;
+        let columns = columns_of(&reader.schema())
+            .map_err(|reason| RunDirError::not_a_trace(path, &reason))?;
         let mut rows = Rows::new(columns.len(), most);
         loop {
             let batch = reader.next();
@@ -130,15 +134,17 @@ impl Trace {
     ///
     /// # Errors
     /// There is none; the message lists those there are.
-    pub fn column(&self, name: &str) -> Result<&[f64], TraceError> {
+    pub fn column(&self, name: &str) -> Result<&[f64], RunDirError> {
         self.columns
             .iter()
             .position(|column| column.name == name)
             .map(|index| self.values[index].as_slice())
-            .ok_or_else(|| TraceError::NoSuchColumn {
-                path: self.path.clone(),
-                column: name.to_owned(),
-                known: self.columns.iter().map(|c| c.name.clone()).collect(),
+            .ok_or_else(|| {
+                let known: Vec<&str> = self.columns.iter().map(|c| c.name.as_str()).collect();
+                let (path, known) = (self.path.display(), known.join(", "));
+                RunDirError::Refused(format!(
+                    "trace `{path}` has no column `{name}`; it has {known}"
+                ))
             })
     }
 
@@ -147,19 +153,25 @@ impl Trace {
     /// # Errors
     /// The file cannot be written.
     pub fn export_csv(&self, path: &Path) -> Result<(), RunDirError> {
-        let fail = |cause| RunDirError::Write { path: path.to_owned(), cause };
-        let file = std::fs::File::create(path).map_err(fail)?;
-        super::write_csv(self, file).map_err(fail)
+        let file = File::create(path).map_err(RunDirError::write(path))?;
+        super::write_csv(self, file).map_err(RunDirError::write(path))
     }
 }
 
 /// Opens a file that can be read to its end: a pipe in its place would be waited for.
-fn open(path: &Path) -> Result<impl Read, TraceError> {
-    let fail = |cause| TraceError::Io { path: path.to_owned(), cause };
-    if !std::fs::metadata(path).map_err(fail)?.is_file() {
-        return Err(fail(io::Error::other("it is no file")));
+fn open(path: &Path) -> Result<impl Read, RunDirError> {
+    let fail = RunDirError::read(path);
+    match std::fs::metadata(path) {
+        Ok(about) if about.is_file() => Ok(BufReader::new(File::open(path).map_err(fail)?)),
+        Ok(_) => Err(fail(io::Error::other("it is no file"))),
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
+            Err(RunDirError::Refused(format!(
+                "there is no `{}`: flights keep a trace and, on the wall clock, their transfers; not every command does",
+                path.display()
+            )))
+        }
+        Err(cause) => Err(fail(cause)),
     }
-    Ok(BufReader::new(File::open(path).map_err(fail)?))
 }
 
 /// The columns of a trace's schema.
@@ -246,8 +258,9 @@ mod tests {
                         "cut {cut}: {rows} rows"
                     );
                 }
-                Err(TraceError::NothingRecorded { .. }) => assert_eq!(complete, 0, "cut {cut}"),
-                Err(error) => panic!("cut {cut}: {error}"),
+                Err(error) => {
+                    assert!(complete == 0 && error.to_string().contains("nothing was recorded"));
+                }
             }
         }
     }

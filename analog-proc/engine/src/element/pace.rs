@@ -1,0 +1,181 @@
+//! How fast functions turn: the longest step over which each has no hidden feature.
+//!
+//! Sums and products of smooth signals show in their ends what they do between
+//! them. A sine, an angle, a quotient, a root or a delayed signal need not: their
+//! arguments can run through a whole period, or past a pole, within one step. So a
+//! step ends before an argument has gone far on the function's own scale, whether
+//! it comes from time, an integrated phase or anything else.
+
+use crate::element::delay::DelayLine;
+use crate::machine::Machine;
+use crate::op::{Op, Slot, Term};
+use crate::signal::Rated;
+
+/// Greatest turn of an angle over a step, rad: an eighth of a circle. A sine is then near its
+/// own cubic, so that surfaces are judged from the ends of a step.
+const TURN: f64 = std::f64::consts::FRAC_PI_4;
+
+/// The degree up to which [`TURN`] holds.
+const SEEN_DEGREE: u32 = 4;
+
+/// Greatest part of its way to zero that a divisor or a radicand makes in a step …
+const APPROACH: f64 = 0.5;
+/// … and by how often it may grow.
+const GROWTH: f64 = 4.0;
+/// Closer to zero than this part of its greatest value it is at zero: the surface of the
+/// block itself tells whether it passes through.
+const NEAR_ZERO: f64 = 1e-12;
+
+/// A step that turns out longer than its bound by this factor is not accepted.
+const SLACK: f64 = 1.5;
+
+/// Tangent of the greatest turn of a direction between the ends of a step, three sixteenths of
+/// a circle: [`SLACK`] times [`TURN`].
+const MOST_TURN: f64 = 1.0 + std::f64::consts::SQRT_2;
+
+/// Greatest turn of an angle whose sine goes into a product of this degree, rad: the peaks of
+/// a product of n sines are narrower by √n.
+pub fn turn(degree: u32) -> f64 {
+    TURN * (f64::from(SEEN_DEGREE) / f64::from(degree.max(SEEN_DEGREE))).sqrt()
+}
+
+/// Something whose scale bounds the step.
+#[derive(Clone, Copy, Debug)]
+pub enum Pace {
+    /// A sine or cosine of the term, which turns by so much at most, rad.
+    Angle(Term, f64),
+    /// The direction of the vector (x, y) of an arctangent whose element is `e`.
+    Direction { e: u32, y: Term, x: Term },
+    /// A net divided by, or under a root.
+    Pole(Slot),
+    /// A delay line.
+    Line(u32),
+}
+
+impl Pace {
+    /// What bounds the step in an operation; `powers` are the degrees that nets go into.
+    pub fn of(op: &Op, powers: &[u32]) -> Option<Pace> {
+        match *op {
+            Op::Sine { o, a, c } | Op::Cosine { o, a, c } | Op::SinCos { o, a, c } => {
+                Some(Pace::Angle(Term { slot: a, c }, turn(powers[o as usize])))
+            }
+            Op::Arctangent { e, y, x, .. } => Some(Pace::Direction { e, y, x }),
+            Op::Quotient { b, .. } => Some(Pace::Pole(b)),
+            Op::Root { a, .. } => Some(Pace::Pole(a)),
+            Op::Delay { line, .. } => Some(Pace::Line(line)),
+            _ => None,
+        }
+    }
+
+    /// Calls `f` with every net that it reads.
+    pub fn reads(&self, mut f: impl FnMut(Slot)) {
+        match *self {
+            Pace::Angle(term, _) => f(term.slot),
+            Pace::Direction { y, x, .. } => {
+                f(y.slot);
+                f(x.slot);
+            }
+            Pace::Pole(slot) => f(slot),
+            Pace::Line(_) => {}
+        }
+    }
+
+    /// The longest step from here, s; `largest` is the greatest magnitude that a divisor or
+    /// radicand has had.
+    #[inline]
+    fn limit_s(&self, lines: &[DelayLine], t_s: f64, nets: &[Rated], largest: f64) -> f64 {
+        match *self {
+            Pace::Angle(term, turn) => turn / (term.c * nets[term.slot as usize].rate).abs(),
+            Pace::Direction { y, x, .. } => {
+                let (y, x): (Rated, Rated) = (y.of(nets), x.of(nets));
+                let turn = (x.value * y.rate - y.value * x.rate).abs();
+                TURN * (x.value * x.value + y.value * y.value) / turn
+            }
+            Pace::Pole(slot) => {
+                let u = nets[slot as usize];
+                if u.value.abs() <= NEAR_ZERO * largest {
+                    return f64::INFINITY;
+                }
+                let towards = u.value * u.rate < 0.0;
+                let part = if towards { APPROACH } else { GROWTH };
+                part * (u.value / u.rate).abs()
+            }
+            Pace::Line(line) => lines[line as usize].reach_s(t_s),
+        }
+    }
+
+    /// Whether the step of `h_s` that ends here stayed within the bound, seen from its end. A vector
+    /// that passes zero is refused: its angle jumps.
+    #[inline]
+    fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
+        match *self {
+            Pace::Angle(term, turn) => {
+                let slot = term.slot as usize;
+                let turned = (end[slot].value - start[slot].value).abs();
+                let most = turned.max(h_s * end[slot].rate.abs());
+                term.c.abs() * most <= SLACK * turn
+            }
+            Pace::Direction { y, x, .. } => {
+                let (y0, x0): (Rated, Rated) = (y.of(start), x.of(start));
+                let (y, x): (Rated, Rated) = (y.of(end), x.of(end));
+                let turn = h_s * (x.value * y.rate - y.value * x.rate).abs();
+                let ahead = x0.value * x.value + y0.value * y.value;
+                let across = (x0.value * y.value - y0.value * x.value).abs();
+                turn <= SLACK * TURN * (x.value * x.value + y.value * y.value)
+                    && across <= MOST_TURN * ahead
+            }
+            Pace::Pole(slot) => {
+                let u = end[slot as usize];
+                u.value.abs() <= NEAR_ZERO * largest
+                    || h_s * u.rate.abs() <= SLACK * GROWTH * u.value.abs()
+            }
+            Pace::Line(_) => true,
+        }
+    }
+}
+
+/// What is known of the paces of a running machine.
+#[derive(Clone, Debug)]
+pub struct Paces {
+    /// The greatest magnitude of each divisor or radicand so far.
+    largest: Vec<f64>,
+    /// The longest step from here, s, and what bounds it.
+    pub limit_s: f64,
+    pub bounded_by: usize,
+}
+
+impl Paces {
+    pub fn new(machine: &Machine) -> Paces {
+        Paces { largest: vec![0.0; machine.paces.len()], limit_s: f64::INFINITY, bounded_by: 0 }
+    }
+
+    pub fn reset(&mut self) {
+        self.largest.fill(0.0);
+    }
+
+    /// Finds the longest step from `t_s`.
+    pub fn look(&mut self, machine: &Machine, lines: &[DelayLine], t_s: f64, nets: &[Rated]) {
+        self.limit_s = f64::INFINITY;
+        for (i, (pace, _)) in machine.paces.iter().enumerate() {
+            if let Pace::Pole(slot) = pace {
+                self.largest[i] = self.largest[i].max(nets[*slot as usize].value.abs());
+            }
+            let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i]);
+            // What does not move has no bound, even where it is not defined.
+            if limit_s < self.limit_s {
+                (self.limit_s, self.bounded_by) = (limit_s, i);
+            }
+        }
+    }
+
+    /// Whether the step of `h_s` between these nets hid nothing.
+    pub fn kept(&mut self, machine: &Machine, h_s: f64, start: &[Rated], end: &[Rated]) -> bool {
+        for (i, (pace, _)) in machine.paces.iter().enumerate() {
+            if !pace.kept(h_s, start, end, self.largest[i]) {
+                self.bounded_by = i;
+                return false;
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,191 @@
+//! What the surfaces read, with its rates, at any instant of a step.
+//!
+//! The states and their rates at the ends of a step, or from the dense output
+//! between them, are carried through the operations behind the surfaces. What
+//! these read besides stands still until the next settling.
+
+use super::Engine;
+use super::search::START;
+use crate::element::pace::Pace;
+use crate::machine::Machine;
+use crate::signal::{Doubted, Rated, Signal};
+
+/// A side that the present region has not; finite, so that differences of it are numbers.
+const ABSENT: f64 = -1e300;
+
+/// Rounding of a state that was reached by steps of different length, in parts of it.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Further from zero than this part of the greatest net, no rounding makes a side positive.
+const NEAR: f64 = 1e-9;
+
+/// The sides of all watched regions at one instant of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Node {
+    /// Its place in the step, 0 to 1.
+    pub theta: f64,
+    pub sides: Vec<Rated>,
+    /// What rounding alone can have made of each, where it was asked for (`doubted`).
+    pub noise: Vec<f64>,
+    pub doubted: bool,
+}
+
+fn sides<N: Signal>(machine: &Machine, region: &[u32], nets: &[N], sides: &mut [N]) {
+    let mut rest = sides;
+    for &e in &machine.watched {
+        let element = &machine.elements[e as usize].1;
+        let (own, others) = rest.split_at_mut(element.side_count());
+        let mut own = own.iter_mut();
+        element.sides(region[e as usize], machine, nets, &mut |side| {
+            if let Some(place) = own.next() {
+                *place = side;
+            }
+        });
+        for place in own {
+            *place = N::constant(ABSENT);
+        }
+        rest = others;
+    }
+}
+
+impl Engine {
+    /// After settling: everything from the nets as they stand.
+    pub(super) fn watch_start(&mut self) {
+        let states = self.step.y0.len();
+        for (rated, net) in self.rated_start.iter_mut().zip(&self.nets) {
+            *rated = Rated::constant(*net);
+        }
+        for (rated, rate) in self.rated_start.iter_mut().zip(&self.step.f0) {
+            rated.rate = *rate;
+        }
+        for op in &self.machine.watch {
+            let (frozen, t_s) = (&self.frozen, self.t_s);
+            self.machine.evaluate(op, frozen, t_s, &mut self.rated_start);
+        }
+        self.rated[states..].copy_from_slice(&self.rated_start[states..]);
+        self.followed = false;
+        let region = &self.frozen.region;
+        let start = &mut self.nodes[START];
+        start.doubted = false;
+        sides(&self.machine, region, &self.rated_start, &mut start.sides);
+        self.look_at_paces();
+    }
+
+    /// Before the directions of vectors at zero are found: what they were does not count.
+    pub(super) fn forget_directions(&mut self) {
+        for (pace, _) in &self.machine.paces {
+            if let Pace::Direction { e, .. } = *pace {
+                self.frozen.piece[e as usize].y0 = 0.0;
+            }
+        }
+    }
+
+    /// After settling: a vector that is zero has the angle to which it leaves; zero, if it does not
+    /// move. Whether that changes an angle.
+    pub(super) fn turn_vectors(&mut self) -> bool {
+        let mut turned = false;
+        for (pace, _) in &self.machine.paces {
+            let Pace::Direction { e, y, x } = *pace else {
+                continue;
+            };
+            let (y, x): (Rated, Rated) = (y.of(&self.rated_start), x.of(&self.rated_start));
+            if y.value == 0.0 && x.value == 0.0 {
+                let moves = y.rate != 0.0 || x.rate != 0.0;
+                let angle = if moves { libm::atan2(y.rate, x.rate) } else { 0.0 };
+                let place = &mut self.frozen.piece[e as usize].y0;
+                turned |= *place != angle;
+                *place = angle;
+            }
+        }
+        turned
+    }
+
+    pub(super) fn look_at_paces(&mut self) {
+        let (lines, t_s) = (&self.frozen.lines, self.t_s);
+        self.paces.look(&self.machine, lines, t_s, &self.rated_start);
+    }
+
+    fn rate_nets(&mut self, t_s: f64) {
+        for op in &self.machine.watch {
+            self.machine.evaluate(op, &self.frozen, t_s, &mut self.rated);
+        }
+    }
+
+    /// Brings `rated` to the end of the step as it now is.
+    pub(super) fn rate_end(&mut self) {
+        let ends = self.step.y1.iter().zip(&self.step.f1);
+        for (rated, (y, f)) in self.rated.iter_mut().zip(ends) {
+            *rated = Rated { value: *y, rate: *f };
+        }
+        self.rate_nets(self.step.t0_s + self.step.h_s);
+    }
+
+    /// Brings `rated` to the place `theta` of the step.
+    pub(super) fn rate_at(&mut self, theta: f64) {
+        let moving = Rated { value: theta, rate: 1.0 / self.step.h_s };
+        self.step.dense(moving, &mut self.rated);
+        self.step.evaluations += 1;
+        self.rate_nets(self.step.t0_s + theta * self.step.h_s);
+    }
+
+    /// The sides of what `rated` holds, into a node at `theta`.
+    pub(super) fn look_at_sides(&mut self, node: usize, theta: f64) {
+        let node = &mut self.nodes[node];
+        node.theta = theta;
+        node.doubted = false;
+        sides(&self.machine, &self.frozen.region, &self.rated, &mut node.sides);
+    }
+
+    /// What rounding alone can have made of the sides of a node, while `rated` holds the nets
+    /// there (`rated_start` at the start of the step), if that is not known yet.
+    pub(super) fn find_noise(&mut self, node: usize) {
+        if std::mem::replace(&mut self.nodes[node].doubted, true) {
+            return;
+        }
+        self.doubt(node == START, self.nodes[node].theta);
+        let (region, doubts) = (&self.frozen.region, &mut self.doubts);
+        sides(&self.machine, region, &self.doubted, doubts);
+        let noise = &mut self.nodes[node].noise;
+        for (noise, side) in noise.iter_mut().zip(doubts) {
+            *noise = if side.doubt.is_finite() { side.doubt } else { 0.0 };
+        }
+    }
+
+    /// What rounding leaves undecided of the nets that `rated` holds, at the place `theta` of
+    /// the step (of those that `rated_start` holds, `at_start`).
+    pub(super) fn doubt(&mut self, at_start: bool, theta: f64) {
+        let nets = if at_start { &self.rated_start } else { &self.rated };
+        for (doubted, rated) in self.doubted.iter_mut().zip(nets) {
+            *doubted = Doubted::constant(rated.value);
+        }
+        for doubted in &mut self.doubted[..self.step.y0.len()] {
+            doubted.doubt = ROUNDING * doubted.value.abs();
+        }
+        let t_s = if at_start { self.t_s } else { self.step.t0_s + theta * self.step.h_s };
+        for op in &self.machine.watch {
+            self.machine.evaluate(op, &self.frozen, t_s, &mut self.doubted);
+        }
+    }
+
+    /// Before settling: a signal that is within rounding of a surface and moves away from it has
+    /// not crossed it, unless something jumps.
+    pub(super) fn hold_what_leaves(&mut self) {
+        let near = NEAR * self.greatest_net();
+        let sides = &self.nodes[START].sides;
+        if sides.iter().any(|side| side.rate < 0.0 && side.value.abs() <= near) {
+            self.find_noise(START);
+        }
+        let start = &self.nodes[START];
+        let sides = start.sides.iter().zip(&start.noise);
+        for (held, (side, noise)) in self.frozen.held.iter_mut().zip(sides) {
+            let leaves = start.doubted && side.rate < 0.0 && side.value.abs() <= *noise;
+            *held = if leaves { *noise } else { 0.0 };
+        }
+    }
+}
+
+/// Whether a side is positive: what returns is so only by more than its rounding.
+#[inline(always)]
+pub(super) fn is_beyond(side: Rated, noise: f64) -> bool {
+    side.value > 0.0 && (side.rate >= 0.0 || side.value > noise)
+}

@@ -1,0 +1,250 @@
+//! The digital side's view of one session: patch, presets and runs by name.
+//!
+//! A console holds a port of either link. It resolves block names to channels
+//! once, at load, so that a frame touches only indices. It knows nothing of
+//! rockets and refuses a name that the patch does not have, with the nearest one.
+
+use desk::faults::suggestion;
+use interface::{
+    Tick,
+    control::{Channel, ChannelKind, Overload, PatchBundle, Reply, Request, RunSpec},
+    frame::{RunState, Samples, Updates},
+    link::{DigitalPort, LinkFault},
+    profile::Profile,
+};
+
+/// Why a session could not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ConsoleFault {
+    /// The partner or the link failed.
+    #[error(transparent)]
+    Link(#[from] LinkFault),
+    /// The analog side refused a request; its own words.
+    #[error("{0}")]
+    Refused(String),
+    /// The analog run stopped by itself.
+    #[error("the analog run stopped at {time}: {fault}")]
+    RunFault {
+        /// Problem time of the last frame.
+        time: Tick,
+        /// The analog side's account.
+        fault: String,
+    },
+    /// A frame did not arrive; a law that misses a frame computes another run.
+    #[error("samples {found} came where {expected} were due: this side fell too far behind")]
+    LostFrames {
+        /// The frame due.
+        expected: u64,
+        /// The frame that came.
+        found: u64,
+    },
+    /// The patch has no such channel.
+    #[error("the patch has no {kind} `{name}`; {remedy}")]
+    NoChannel {
+        /// Kind of channel.
+        kind: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The nearest name of that kind, or all of them.
+        remedy: String,
+    },
+    /// An answer that does not fit the request.
+    #[error(
+        "the analog side answered {request} with something else; both sides must be of one build"
+    )]
+    WrongReply {
+        /// The request.
+        request: &'static str,
+    },
+}
+
+/// What a run left behind on the analog side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnosis {
+    /// Fault text, if the last run faulted.
+    pub fault: Option<String>,
+    /// Latched overloads in order of time.
+    pub overloads: Vec<Overload>,
+}
+
+/// What the digital side does in each frame of a run; a closure is a law without an `after`.
+///
+/// A law that cannot go on says [`ModeCommand::End`](interface::frame::ModeCommand::End) and keeps
+/// its reason, so that the run ends in good order and the session can go on.
+pub trait Law {
+    /// Fills the empty updates n from samples n; in the last frame (state `Ended`) they go nowhere.
+    fn frame(&mut self, samples: &Samples, updates: &mut Updates);
+
+    /// Once updates n are on their way, so that keeping records delays no transfer.
+    fn after(&mut self, _samples: &Samples) {}
+}
+
+impl<F: FnMut(&Samples, &mut Updates)> Law for F {
+    fn frame(&mut self, samples: &Samples, updates: &mut Updates) {
+        self(samples, updates);
+    }
+}
+
+/// One session seen from the digital side.
+pub struct Console<'p> {
+    port: &'p mut dyn DigitalPort,
+    channels: Vec<Channel>,
+    patch_hash: String,
+}
+
+impl<'p> Console<'p> {
+    /// Over a port whose two ends have greeted each other.
+    pub fn new(port: &'p mut dyn DigitalPort) -> Console<'p> {
+        Console { port, channels: Vec::new(), patch_hash: String::new() }
+    }
+
+    /// Uploads a patch; the machine goes to IC.
+    ///
+    /// # Errors
+    /// [`ConsoleFault::Refused`] carries the rendered faults of the patch.
+    pub fn load(
+        &mut self,
+        bundle: PatchBundle,
+        params: Vec<(String, f64)>,
+        profile: Profile,
+    ) -> Result<(), ConsoleFault> {
+        match request(self.port, &Request::Load { bundle, params, profile })? {
+            Reply::Loaded { patch_hash, channels } => {
+                self.patch_hash = patch_hash;
+                self.channels = channels;
+                Ok(())
+            }
+            _ => Err(ConsoleFault::WrongReply { request: "the patch" }),
+        }
+    }
+
+    /// SHA-256 of the loaded patch, hexadecimal.
+    pub fn patch_hash(&self) -> &str {
+        &self.patch_hash
+    }
+
+    /// Every channel of the loaded patch.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Number of the channel `name` of `kind`.
+    ///
+    /// # Errors
+    /// [`ConsoleFault::NoChannel`] with the nearest name.
+    pub fn channel(&self, kind: ChannelKind, name: &str) -> Result<usize, ConsoleFault> {
+        let of_kind = || self.channels.iter().filter(move |c| c.kind == kind);
+        of_kind().find(|c| c.name == name).map(|c| c.number as usize).ok_or_else(|| {
+            let remedy = suggestion(name, of_kind().map(|c| c.name.as_str()));
+            let kind = match kind {
+                ChannelKind::Adc => "ADC",
+                ChannelKind::Dac => "DAC",
+                ChannelKind::Dcu => "DCU",
+                ChannelKind::Sense => "sense line",
+                ChannelKind::Control => "control line",
+                ChannelKind::Interrupt => "interrupt line",
+            };
+            ConsoleFault::NoChannel { kind, name: name.to_owned(), remedy }
+        })
+    }
+
+    /// Pot-set: values for `[params]` entries; the machine goes to IC.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`] when refused or the partner is gone.
+    pub fn set_params(&mut self, params: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
+        self.done("pot-set", &Request::SetParams(params))
+    }
+
+    /// Initial conditions by integrator name; the machine goes to IC.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`] when refused or the partner is gone.
+    pub fn set_ics(&mut self, ics: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
+        self.done("the initial conditions", &Request::SetIcs(ics))
+    }
+
+    /// DACs, DCUs and control lines by name, while not operating.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`] when refused or the partner is gone.
+    pub fn preset(&mut self, values: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
+        self.done("the preset", &Request::Preset(values))
+    }
+
+    /// Net values now, in IC or HOLD.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`] when refused or the partner is gone.
+    pub fn read(&mut self, nets: Vec<String>) -> Result<Vec<f64>, ConsoleFault> {
+        match request(self.port, &Request::Read(nets))? {
+            Reply::Values(values) => Ok(values),
+            _ => Err(ConsoleFault::WrongReply { request: "a read-back" }),
+        }
+    }
+
+    /// What ended the last run, and latched overloads.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`] when the partner is gone.
+    pub fn diagnose(&mut self) -> Result<Diagnosis, ConsoleFault> {
+        match request(self.port, &Request::Diagnose)? {
+            Reply::Diagnosis { fault, overloads } => Ok(Diagnosis { fault, overloads }),
+            _ => Err(ConsoleFault::WrongReply { request: "a diagnosis" }),
+        }
+    }
+
+    /// Runs one OPERATE period by `law` and returns the samples at its end.
+    ///
+    /// # Errors
+    /// [`ConsoleFault::RunFault`] when the analog run stops by itself, or the link's.
+    pub fn run(&mut self, spec: &RunSpec, law: &mut impl Law) -> Result<Samples, ConsoleFault> {
+        self.done("OPERATE", &Request::Operate(spec.clone()))?;
+        for frame in 0.. {
+            let samples = self.port.await_samples(frame)?;
+            let state = samples.run_state();
+            if state == RunState::Faulted {
+                let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
+                return Err(ConsoleFault::RunFault { time: samples.tick, fault });
+            }
+            if samples.frame != frame {
+                return Err(ConsoleFault::LostFrames { expected: frame, found: samples.frame });
+            }
+            let mut updates = Updates::new(frame, samples.tick + spec.latency);
+            law.frame(&samples, &mut updates);
+            if state != RunState::Ended {
+                self.port.send_updates(&updates)?;
+            }
+            law.after(&samples);
+            if state == RunState::Ended {
+                return Ok(samples);
+            }
+        }
+        unreachable!("frames are counted in u64")
+    }
+
+    /// Ends the session.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`] when the partner is gone already.
+    pub fn bye(self) -> Result<(), ConsoleFault> {
+        match request(self.port, &Request::Bye)? {
+            Reply::Done => Ok(()),
+            _ => Err(ConsoleFault::WrongReply { request: "goodbye" }),
+        }
+    }
+
+    fn done(&mut self, what: &'static str, message: &Request) -> Result<(), ConsoleFault> {
+        match request(self.port, message)? {
+            Reply::Done => Ok(()),
+            _ => Err(ConsoleFault::WrongReply { request: what }),
+        }
+    }
+}
+
+fn request(port: &mut dyn DigitalPort, message: &Request) -> Result<Reply, ConsoleFault> {
+    match port.request(message)? {
+        Reply::Refused(reason) => Err(ConsoleFault::Refused(reason)),
+        reply => Ok(reply),
+    }
+}
