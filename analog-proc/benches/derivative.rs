@@ -15,15 +15,13 @@
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/common/bench.rs"]
+mod bench;
 
 use std::{hint::black_box, path::Path};
 
-use analog_proc::block::kind::Multiplier;
-use analog_proc::net::Kind;
 use analog_proc::patch::{bundle_from_path, compile};
-use common::{Patch, integrator};
+use bench::Bench;
 use criterion::{Criterion, criterion_group, criterion_main};
 use engine::element::dac::DacPiece;
 use engine::integration::Integration;
@@ -132,15 +130,19 @@ fn compare<const N: usize>(
 
 fn nothing(_: &mut Simulation) {}
 
+const SETTINGS: &str = "rtol = 1e-7\natol = 1e-9";
+
 fn lorenz(c: &mut Criterion) {
-    let mut patch = Patch::new();
-    patch.integration.rtol = 1e-7;
-    patch.integration.atol = 1e-9;
-    patch.add("x", integrator(1.0), &["10 * y", "-10 * x"]);
-    patch.add("y", integrator(1.0), &["28 * x", "-1 * y", "-1 * xz"]);
-    patch.add("z", integrator(1.0), &["xy", "-2.6666666666666665 * z"]);
-    patch.add("xz", Kind::Multiplier(Multiplier), &["x", "z"]);
-    patch.add("xy", Kind::Multiplier(Multiplier), &["x", "y"]);
+    let mut bench = Bench::with(
+        SETTINGS,
+        r#"
+        x = { kind = "integrator", in = ["10 * y", "-10 * x"], ic = 1.0 }
+        y = { kind = "integrator", in = ["28 * x", "-1 * y", "-1 * xz"], ic = 1.0 }
+        z = { kind = "integrator", in = ["xy", "-2.6666666666666665 * z"], ic = 1.0 }
+        xz = { kind = "multiplier", in = ["x", "z"] }
+        xy = { kind = "multiplier", in = ["x", "y"] }
+    "#,
+    );
     let f = |_: f64, &[x, y, z]: &[f64; 3]| {
         [10.0 * y - 10.0 * x, 28.0 * x - y - x * z, x * y - 2.666_666_666_666_666_5 * z]
     };
@@ -152,24 +154,19 @@ fn lorenz(c: &mut Criterion) {
         atol: 1e-9,
         preset: nothing,
     };
-    compare(c, &mut patch.simulation(), &run, f);
+    compare(c, &mut bench.simulation, &run, f);
 }
 
 fn rod(c: &mut Criterion) {
-    let mut patch = Patch::new();
-    patch.integration.rtol = 1e-7;
-    patch.integration.atol = 1e-9;
-    for i in 0..16 {
-        let mut inputs = vec![format!("-200 * u{i}")];
-        if i > 0 {
-            inputs.push(format!("100 * u{}", i - 1));
-        }
-        if i < 15 {
-            inputs.push(format!("100 * u{}", i + 1));
-        }
-        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
-        patch.add(&format!("u{i}"), integrator(1.0), &inputs);
+    let mut blocks = String::new();
+    for i in 0..16_i32 {
+        let beside = [i - 1, i + 1].into_iter().filter(|j| (0..16).contains(j));
+        let inputs: String = beside.map(|j| format!(", \"100 * u{j}\"")).collect();
+        blocks += &format!(
+            "u{i} = {{ kind = \"integrator\", in = [\"-200 * u{i}\"{inputs}], ic = 1.0 }}\n"
+        );
     }
+    let mut bench = Bench::with(SETTINGS, &blocks);
     let f = |_: f64, u: &[f64; 16]| {
         std::array::from_fn(|i| {
             let below = if i > 0 { u[i - 1] } else { 0.0 };
@@ -179,7 +176,7 @@ fn rod(c: &mut Criterion) {
     };
     let run =
         Run { name: "rod", start: [1.0; 16], stop_s: 1.0, rtol: 1e-7, atol: 1e-9, preset: nothing };
-    compare(c, &mut patch.simulation(), &run, f);
+    compare(c, &mut bench.simulation, &run, f);
 }
 
 /// The long-period patch as flown, with coefficients of about the greatest dynamic pressure:

@@ -5,16 +5,12 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod block;
-pub mod channels;
 pub mod check;
 pub mod cli;
 pub mod draw;
-pub mod frame_cycle;
-mod free_run;
 pub mod net;
 pub mod order;
 pub mod patch;
 pub mod record;
-pub mod serve;
-pub mod static_check;
+pub mod session;
 pub mod tolerance;

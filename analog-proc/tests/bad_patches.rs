@@ -41,7 +41,7 @@ fn expectations(path: &Path) -> Vec<Expectation> {
 fn profile(path: &Path) -> Profile {
     let text = std::fs::read_to_string(path).unwrap();
     let name = text.lines().find_map(|l| l.strip_prefix("# profile: "));
-    Profile::load(name.unwrap_or("ideal").trim()).unwrap()
+    desk::profile::load(name.unwrap_or("ideal").trim()).unwrap()
 }
 
 fn faults_of(path: &Path) -> PatchFaults {

@@ -5,7 +5,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use interface::{
     Tick,
     control::{Clock, PatchBundle, Reply, Request, RunSpec},

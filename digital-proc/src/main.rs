@@ -17,7 +17,7 @@ fn main() -> ExitCode {
         analog_proc::cli::main()
     } else {
         digital_proc::cli::main(digital_proc::launch::AnalogEntry {
-            serve: analog_proc::serve::serve,
+            serve: analog_proc::session::serve::serve,
         })
     }
 }

@@ -19,7 +19,6 @@ pub mod profile;
 pub mod protocol;
 pub mod session;
 pub mod tick;
-pub mod user_file;
 
 pub use protocol::Side;
 pub use tick::Tick;

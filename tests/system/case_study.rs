@@ -5,7 +5,7 @@ use crate::{
     bench_top::{BenchTop, DIGITAL, expect},
     golden,
 };
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use desk::claim::{Claim, Verdict};
 use digital_proc::{
     console::Console,

@@ -3,7 +3,7 @@
 //! An integrator of a DAC: x' = d. The digital side sets d = n + 1 in frame n,
 //! so x(t) is a sum of rectangles that depends on every transfer instant.
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::{Console, ConsoleFault},
     launch::{AnalogEntry, LinkChoice, Started},

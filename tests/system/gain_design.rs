@@ -1,6 +1,6 @@
 //! Gain design and sensitivity on the machine.
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
@@ -28,7 +28,7 @@ fn with_console<T>(work: impl FnOnce(&mut Console<'_>, &Profile) -> T) -> T {
         Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
             .unwrap();
     let mut console = Console::new(started.port());
-    let done = work(&mut console, &Profile::load("ideal").unwrap());
+    let done = work(&mut console, &desk::profile::load("ideal").unwrap());
     console.bye().unwrap();
     done
 }

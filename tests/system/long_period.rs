@@ -1,7 +1,7 @@
 //! The long-period study on the machine: its claims hold, and can fail.
 
 use crate::bench_top::{BenchTop, expect};
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use desk::claim::Verdict;
 use digital_proc::{
     console::Console,
@@ -31,7 +31,7 @@ fn study(vehicle: &Vehicle, plan: &LongPeriodPlan) -> LongPeriodResults {
 }
 
 fn shipped(modes: Vec<FlightScript>) -> LongPeriodPlan {
-    LongPeriodPlan::new(modes, Profile::load("ideal").unwrap())
+    LongPeriodPlan::new(modes, desk::profile::load("ideal").unwrap())
 }
 
 /// The design case alone, of the modes that decide L1, L2 and L3.

@@ -1,6 +1,6 @@
 //! The partitioned machine against the same equations integrated as one system.
 
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::Console,
     executive::Rate,
@@ -27,7 +27,7 @@ fn machine(vehicle: &Vehicle, step: Tick, fast: u64, alpha: AlphaPath) -> Vec<Fl
         skew: Tick::ZERO,
         stop: Tick(48_800_000_000),
         alpha,
-        profile: Profile::load("ideal").unwrap(),
+        profile: desk::profile::load("ideal").unwrap(),
     };
     let mut started =
         Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())

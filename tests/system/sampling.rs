@@ -3,7 +3,7 @@
 //! Runs go over the memory link, which gives the same numbers as two processes to the last bit.
 
 use crate::bench_top::{BenchTop, DIGITAL, expect};
-use analog_proc::serve::serve;
+use analog_proc::session::serve::serve;
 use digital_proc::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},

@@ -66,7 +66,7 @@ mod switch;
 
 pub use source::Wave;
 
-use super::Lowering;
+use super::lowering::Lowering;
 use crate::draw::{Pen, number};
 use crate::net::{Block, Input, Level};
 use crate::patch::{Fields, PatchFault};

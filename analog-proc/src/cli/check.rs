@@ -1,13 +1,13 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
 use super::{PatchArgs, is_coloured};
-use crate::{net::Kind, order::Ordered, patch, static_check::static_check};
+use crate::{net::Kind, order::Ordered, patch, session::static_check::static_check};
 use desk::{
     failure::{Failure, Fault},
     outcome::Outcome,
     report::{Column, Table},
 };
-use interface::{control::StaticCheckLine, profile::Profile};
+use interface::control::StaticCheckLine;
 use std::path::Path;
 
 /// Check a patch.
@@ -40,7 +40,7 @@ impl PatchArgs {
             let faults = f.to_list().into_iter().map(told).collect();
             Failure { faults, ..Failure::input(text) }
         };
-        let profile = Profile::load(&self.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.profile)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let mut ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;

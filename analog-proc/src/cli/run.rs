@@ -3,7 +3,6 @@
 use super::{PatchArgs, add_file, check::Compiled, estimate, expect_output, progress::Progress};
 use crate::{
     net::{Block, Kind},
-    patch::suggestion,
     record::{RecordFault, Recorder},
 };
 use desk::{command_line::interrupt_flag, failure::Failure, note, outcome::Outcome};
@@ -158,7 +157,7 @@ impl Run {
                 .map(|i| (name.clone(), NetId(i as u32)))
                 .ok_or_else(|| {
                     let names = netlist.nets.iter().map(|n| n.name.as_str());
-                    let help = suggestion(name, "nets", names);
+                    let help = desk::faults::suggestion(name, names);
                     Failure::input(format!("--record: the patch has no net `{name}`; {help}"))
                 })
         };

@@ -1,6 +1,6 @@
 //! `analog-proc serve`: the analog side of a session.
 
-use crate::serve;
+use crate::session::serve;
 use desk::{
     command_line::{expect_files, interrupt_flag},
     failure::Failure,

@@ -5,21 +5,11 @@
 //! All numbers are in problem units; parameters are already put in.
 
 pub use crate::block::kind::{Kind, Wave};
+pub use desk::reader::Span;
 pub use engine::{
     id::{BlockId, NetId},
     integration::{Integration, Method, OverloadPolicy},
 };
-
-/// A byte range in one of the patch's files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Span {
-    /// Index into the list of files.
-    pub file: u32,
-    /// First byte.
-    pub start: u32,
-    /// One past the last byte.
-    pub end: u32,
-}
 
 /// A level that is fixed in the patch or follows a net.
 #[derive(Clone, Copy, Debug, PartialEq)]

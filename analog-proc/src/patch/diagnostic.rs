@@ -6,6 +6,7 @@
 //! text, place, remedy, and the fields of the message. Faults found while a
 //! patch runs (overload, non-finite state) are not patch faults.
 
+use desk::reader::Fault;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceSpan};
 use std::sync::Arc;
 use thiserror::Error;
@@ -64,6 +65,8 @@ macro_rules! patch_faults {
 patch_faults! {
     /// The file is not TOML.
     TomlSyntax "toml-syntax" "not valid TOML: {what}", label "here" { what: String }
+    /// The file is of another kind.
+    WrongKind "wrong-kind" "{what}", label "no patch has this" { what: String }
     /// The file is not UTF-8 text.
     NotUtf8 "not-utf8" "`{file}` is not UTF-8 text (byte {offset})", label "" { file: String, offset: usize }
     /// A file that is named cannot be read.
@@ -76,6 +79,8 @@ patch_faults! {
     NoBlocks "no-blocks" "the patch has no blocks", label "" {}
     /// A key that the language does not know.
     UnknownKey "unknown-key" "unknown key `{key}` in {owner}", label "not known here" { key: String, owner: String }
+    /// A word that its field does not know.
+    UnknownWord "unknown-word" "`{field}` cannot be `{word}`", label "not known here" { field: String, word: String }
     /// A block kind that does not exist.
     UnknownKind "unknown-kind" "unknown block kind `{kind}`", label "no such kind" { kind: String }
     /// A field that must be given.
@@ -85,7 +90,7 @@ patch_faults! {
     /// A number that is infinite or not a number.
     NotFinite "not-finite" "`{field}` is not a finite number", label "not finite" { field: String }
     /// A number outside the range of its field.
-    OutOfRange "out-of-range" "`{field}` = {value} is out of range: it must be {range}", label "must be {range}" { field: String, value: f64, range: &'static str }
+    OutOfRange "out-of-range" "`{field}` = {value} is out of range: it must be {range}", label "must be {range}" { field: String, value: f64, range: String }
     /// A time constant, rate, delay, width or scale factor that is zero or negative.
     NotPositive "not-positive" "`{field}` = {value} must be positive", label "must be greater than 0" { field: String, value: f64 }
     /// A potentiometer set outside its turns.
@@ -136,4 +141,31 @@ patch_faults! {
     NoDerivative "no-derivative" "`{net}` has no derivative to check", label "not an integrator" { net: String }
     /// The machine profile has fewer blocks of a class than the patch needs.
     TooManyBlocks "too-many-blocks" "profile `{profile}` has too few blocks for this patch\n{table}", label "the first that finds no place" { profile: String, table: String }
+}
+
+/// Faults that every file can have carry the same fields here.
+macro_rules! shared_faults {
+    ($($name:ident { $($field:ident),+ })+) => {
+        impl PatchFault {
+            /// A fault of a patch that other files can have too.
+            pub(crate) fn shared(fault: Fault, src: Source, at: SourceSpan, help: String) -> Self {
+                match fault {
+                    $(Fault::$name { $($field),+ } => PatchFault::$name { src, at, help, $($field),+ },)+
+                }
+            }
+        }
+    };
+}
+
+shared_faults! {
+    UnknownKey { key, owner }
+    UnknownWord { field, word }
+    MissingField { owner, field }
+    WrongType { field, wanted, found }
+    NotFinite { field }
+    OutOfRange { field, value, range }
+    NotPositive { field, value }
+    InvertedLimits { field, low, high }
+    Breakpoints { field, value, previous }
+    TableSize { field, found, wanted }
 }

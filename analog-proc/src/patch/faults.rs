@@ -1,16 +1,16 @@
 //! Collecting faults, so that one run shows all of them, and showing them.
 
 use super::diagnostic::{PatchFault, Source};
+use super::number;
 use crate::net::Span;
+use desk::faults::MOST_FAULTS;
+use desk::reader::{Board, Fault, Value};
 use interface::control::PatchBundle;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 use serde::Serialize;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
-
-/// More faults than anyone reads at once; the rest are counted.
-pub const MOST_FAULTS: usize = 200;
 
 /// The files of a patch, for messages. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl Sources {
         let mut files: Vec<Source> = bundle
             .files
             .iter()
-            .map(|(name, text)| Arc::new(NamedSource::new(name, text.clone())))
+            .map(|(name, text)| Arc::new(NamedSource::new(name, printable(text))))
             .collect();
         if files.is_empty() {
             files.push(Arc::new(NamedSource::new(&bundle.root, String::new())));
@@ -60,16 +60,23 @@ impl Sources {
 
     /// Line and column (in characters) of the start of a span, both from 1.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
-        line_column(self.source(span.file).inner(), span.start as usize)
+        place_of(self.source(span.file), span.start as usize)
     }
 }
 
-fn line_column(text: &str, offset: usize) -> (usize, usize) {
-    let before = &text.as_bytes()[..offset.min(text.len())];
-    let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
-    let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-    let column = 1 + String::from_utf8_lossy(&before[line_start..]).chars().count();
-    (line, column)
+/// A text that may go to a terminal: control characters are `?`, of the same length.
+pub(crate) fn printable(text: &str) -> String {
+    let is_safe = |c: char| !c.is_control() || matches!(c, '\n' | '\r' | '\t');
+    text.chars()
+        .flat_map(|c| {
+            let times = if is_safe(c) { 1 } else { c.len_utf8() };
+            std::iter::repeat_n(if is_safe(c) { c } else { '?' }, times)
+        })
+        .collect()
+}
+
+fn place_of(source: &Source, offset: usize) -> (usize, usize) {
+    desk::faults::Source { file: source.name(), text: source.inner() }.line_and_column(offset)
 }
 
 /// Faults while they are being collected.
@@ -106,6 +113,11 @@ impl Faults {
         if self.seen.insert(key) {
             self.list.push(fault);
         }
+    }
+
+    /// Adds a fault that other files can have too.
+    pub(crate) fn shared(&mut self, at: Span, fault: Fault, help: String) {
+        self.push(at, |src, at| PatchFault::shared(fault, src, at, help));
     }
 
     /// Counts a fault that is not told.
@@ -155,6 +167,17 @@ impl Faults {
     }
 }
 
+/// Before names are resolved no parameter is known.
+impl Board for Faults {
+    fn tell(&mut self, at: Span, fault: Fault, help: String) {
+        self.shared(at, fault, help);
+    }
+
+    fn number(&mut self, field: &str, value: &Value) -> Option<f64> {
+        number::number(field, value, &HashMap::new(), self)
+    }
+}
+
 /// One fault as a flat record, for programs that read it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FaultRecord {
@@ -197,7 +220,7 @@ impl PatchFaults {
             .iter()
             .map(|fault| {
                 let (source, at) = fault.place();
-                let (line, column) = line_column(source.inner(), at.offset());
+                let (line, column) = place_of(source, at.offset());
                 FaultRecord {
                     code: fault.code_name(),
                     file: source.name().to_owned(),
@@ -251,41 +274,5 @@ impl std::error::Error for PatchFaults {}
 impl Diagnostic for PatchFaults {
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
         Some(Box::new(self.faults.iter().map(|fault| fault as &dyn Diagnostic)))
-    }
-}
-
-/// The nearest of some names, where it is near enough to be what was meant.
-pub(crate) fn nearest<'a>(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
-    let length = name.chars().count();
-    let reach = (length / 3).clamp(1, 4);
-    candidates
-        .into_iter()
-        .filter(|c| c.len().abs_diff(name.len()) <= 4 && c.len() < 200)
-        .map(|c| (strsim::damerau_levenshtein(name, c), c))
-        .filter(|(distance, _)| *distance <= reach)
-        .min()
-        .map(|(_, c)| c)
-}
-
-/// A remedy: the nearest name if there is one, else a list of those that exist.
-pub(crate) fn suggestion<'a>(
-    name: &str,
-    what: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> String {
-    const LISTED: usize = 40;
-    let all: Vec<&str> = candidates.into_iter().collect();
-    match nearest(name, all.iter().copied()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None if all.is_empty() => format!("there are no {what} here"),
-        None => {
-            let mut listed: Vec<&str> = all.iter().copied().take(LISTED).collect();
-            listed.sort_unstable();
-            let more = if all.len() > LISTED { ", …" } else { "" };
-            format!("{what}: {}{more}", listed.join(", "))
-        }
     }
 }

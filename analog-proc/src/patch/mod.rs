@@ -14,20 +14,20 @@ mod resolve;
 mod scope;
 mod settings;
 mod text;
-mod value;
 
-pub use bundle::{LONGEST_FILE, MOST_FILES, bundle_from_path};
+pub use bundle::bundle_from_path;
 pub use diagnostic::PatchFault;
-pub use faults::{FaultRecord, MOST_FAULTS, PatchFaults, Sources};
+pub use faults::{FaultRecord, PatchFaults, Sources};
 pub use scope::{DEEPEST, MOST_BLOCKS};
 
-pub(crate) use faults::{Faults, suggestion};
+pub(crate) use faults::Faults;
 pub(crate) use fields::Fields;
 pub(crate) use resolve::Draft;
 
 use crate::check;
 use crate::net::Span;
 use crate::order::{self, Ordered};
+use desk::bundle::{MOST_FILES, join};
 use interface::control::PatchBundle;
 use std::collections::HashMap;
 
@@ -83,7 +83,7 @@ fn parse_reachable(
         texts[index] = text::parse(file, content, faults);
         for instance in &texts[index].uses {
             let path = instance.path.as_ref();
-            let key = path.and_then(|(path, _)| bundle::join(name, path));
+            let key = path.and_then(|(path, _)| join(name, path));
             waiting.extend(key.and_then(|key| names.get(key.as_str()).copied()));
         }
     }

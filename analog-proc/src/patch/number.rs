@@ -5,9 +5,11 @@
 
 use super::coefficient::{FactorValue, Product, parse};
 use super::diagnostic::PatchFault;
-use super::faults::{Faults, suggestion};
-use super::value::{Data, Value};
+use super::faults::Faults;
 use crate::net::Span;
+use desk::faults::suggestion;
+use desk::reader::{Board, Data, Fault, Value};
+use interface::Tick;
 use std::collections::HashMap;
 
 /// Value of a product of numbers and parameters. `range` is the place of the string's content.
@@ -69,13 +71,8 @@ pub(crate) fn part_of(
 }
 
 pub(crate) fn not_finite(field: &str, at: Span, faults: &mut Faults) {
-    let field = field.to_owned();
-    faults.push(at, |src, at| PatchFault::NotFinite {
-        src,
-        at,
-        field,
-        help: "use a finite number; infinity and NaN have no place on the patch board".into(),
-    });
+    let help = "use a finite number; infinity and NaN have no place on the patch board";
+    faults.shared(at, Fault::NotFinite { field: field.to_owned() }, help.into());
 }
 
 /// A number, or a product of numbers and parameters in quotes.
@@ -95,6 +92,11 @@ pub(crate) fn number(
         }
         Data::Text(text) => {
             let place = part_of(faults, value.span, text);
+            if let Ok(time) = text.parse::<Tick>() {
+                let why = "a patch has its times in seconds";
+                bad_coefficient(text, value.span, why, &format!("write {:?}", time.secs()), faults);
+                return None;
+            }
             match parse(text) {
                 Ok(product) => evaluate(&product, false, params, &place, field, faults),
                 Err(error) => {
@@ -104,7 +106,7 @@ pub(crate) fn number(
             }
         }
         _ => {
-            wrong_type(field, "a number or a parameter", value, faults);
+            faults.wrong_type(field, "a number or a parameter", value);
             None
         }
     }
@@ -126,19 +128,8 @@ pub(crate) fn bad_coefficient(
     });
 }
 
-pub(crate) fn wrong_type(field: &str, wanted: &'static str, value: &Value, faults: &mut Faults) {
-    faults.push(value.span, |src, at| PatchFault::WrongType {
-        src,
-        at,
-        help: format!("write {wanted}"),
-        field: field.to_owned(),
-        wanted,
-        found: value.type_name(),
-    });
-}
-
 fn unknown_param(name: &str, at: Span, params: &HashMap<String, Option<f64>>, faults: &mut Faults) {
-    let help = suggestion(name, "parameters so far", sorted(params));
+    let help = suggestion(name, sorted(params));
     faults.push(at, |src, at| PatchFault::UnknownParam {
         src,
         at,

@@ -7,15 +7,15 @@
 mod inputs;
 
 use super::diagnostic::PatchFault;
-use super::faults::{Faults, suggestion};
+use super::faults::Faults;
 use super::fields::Fields;
-use super::number;
 use super::scope::{self, Instances, Stub};
 use super::settings;
 use super::text::{BlockText, PatchText};
-use super::value::{Data, Entry, Value};
 use crate::block::kind::{self, Constant, Storage};
 use crate::net::{Block, Expected, Input, Kind, Net, Netlist, Span};
+use desk::faults::suggestion;
+use desk::reader::{Board, Data, Entry};
 use engine::{
     id::{BlockId, NetId},
     integration::Integration,
@@ -92,7 +92,9 @@ type Weighted = (NetId, f64);
 pub(crate) struct Resolver<'a> {
     texts: &'a [PatchText],
     pub(crate) faults: &'a mut Faults,
-    instances: Instances,
+    pub(crate) instances: Instances,
+    /// The scope whose fields are being read.
+    pub(crate) scope: usize,
     nets: Vec<Net>,
     by_name: HashMap<String, NetId>,
     /// First net of each stub.
@@ -113,6 +115,7 @@ impl<'a> Resolver<'a> {
             first_net: Vec::with_capacity(instances.stubs.len()),
             bound: Vec::with_capacity(instances.scopes.len()),
             hidden: Vec::new(),
+            scope: 0,
             instances,
         };
         for index in 0..resolver.instances.stubs.len() {
@@ -163,13 +166,9 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    pub(crate) fn params(&self, scope: usize) -> &HashMap<String, Option<f64>> {
-        &self.instances.scopes[scope].params
-    }
-
-    /// A number in a scope.
-    pub(crate) fn number(&mut self, scope: usize, field: &str, value: &Value) -> Option<f64> {
-        number::number(field, value, &self.instances.scopes[scope].params, self.faults)
+    /// Parameters of the scope being read.
+    pub(crate) fn params(&self) -> &HashMap<String, Option<f64>> {
+        &self.instances.scopes[self.scope].params
     }
 
     /// Makes a block that a field needs, and gives its net.
@@ -196,9 +195,8 @@ impl<'a> Resolver<'a> {
             let mut fields = Fields::new(self, scope, &name, text.span, &text.fields);
             match kind::named(word) {
                 None => {
-                    let help =
-                        suggestion(word, "kinds", kind::KINDS.iter().map(|(facts, _)| facts.name));
-                    fields.resolver.faults.push(*word_span, |src, at| PatchFault::UnknownKind {
+                    let help = suggestion(word, kind::KINDS.iter().map(|(facts, _)| facts.name));
+                    fields.board.faults.push(*word_span, |src, at| PatchFault::UnknownKind {
                         src,
                         at,
                         kind: word.clone(),
@@ -207,8 +205,8 @@ impl<'a> Resolver<'a> {
                 }
                 Some((facts, read)) => {
                     inputs = inputs_of(&mut fields, facts.inputs, word);
-                    max = fields.positive_or_none("max");
-                    note = fields.text("note");
+                    max = fields.maybe("max", |f| f.positive("max", None));
+                    note = fields.text_or_none("note");
                     kind = read(&mut fields);
                     fields.finish(&format!("{} `{name}`", article(word)));
                 }
@@ -242,18 +240,17 @@ impl<'a> Resolver<'a> {
         let mut out = Vec::new();
         for entry in entries {
             let Data::Table(table) = &entry.value.data else {
-                number::wrong_type(
+                self.faults.wrong_type(
                     &entry.key,
                     "a table such as { output = 1.0, tolerance = 1e-9 }",
                     &entry.value,
-                    self.faults,
                 );
                 continue;
             };
             let net = self.net(0, &entry.key, entry.key_span);
             let mut fields = Fields::new(self, 0, &entry.key, entry.key_span, table);
-            let output = fields.number_or_none("output");
-            let derivative = fields.number_or_none("derivative");
+            let output = fields.maybe("output", |f| f.number("output", None));
+            let derivative = fields.maybe("derivative", |f| f.number("derivative", None));
             let tolerance = fields.positive("tolerance", Some(1e-9));
             let wants_derivative = fields.place("derivative");
             fields.finish(&format!("[expect] of `{}`", entry.key));

@@ -4,13 +4,14 @@
 //! own prefix, parameters and port bindings. A sub-patch sees only what it is
 //! given: its parameters and its ports.
 
-use super::bundle::join;
 use super::diagnostic::PatchFault;
-use super::faults::{Faults, suggestion};
+use super::faults::Faults;
 use super::number::{not_finite, number};
 use super::text::{PatchText, UseText};
-use super::value::Entry;
 use crate::net::Span;
+use desk::bundle::join;
+use desk::faults::suggestion;
+use desk::reader::Entry;
 use miette::LabeledSpan;
 use std::collections::{HashMap, HashSet};
 
@@ -80,12 +81,13 @@ type Given = HashMap<String, Option<f64>>;
 
 impl Expander<'_> {
     fn root_overrides(&mut self, root: u32, text: &PatchText, given: &[(String, f64)]) -> Given {
-        let at = Span { file: root, ..Span::default() };
+        let top = Span { file: root, ..Span::default() };
         let mut out = Given::new();
         for (name, value) in given {
-            if !text.params.iter().any(|p| p.key == *name) {
-                let help =
-                    suggestion(name, "parameters", text.params.iter().map(|p| p.key.as_str()));
+            let own = text.params.iter().find(|p| p.key == *name);
+            let at = own.or(text.params.first()).map_or(top, |p| p.key_span);
+            if own.is_none() {
+                let help = suggestion(name, text.params.iter().map(|p| p.key.as_str()));
                 self.faults.push(at, |src, at| PatchFault::UnknownParam {
                     src,
                     at,
@@ -210,7 +212,7 @@ impl Expander<'_> {
             } else {
                 "it must be a path relative to this file"
             };
-            let help = suggestion(path, "files", self.names.keys().copied());
+            let help = suggestion(path, self.names.keys().copied());
             self.faults.push(*at, |src, at| PatchFault::MissingFile {
                 src,
                 at,
@@ -249,8 +251,7 @@ impl Expander<'_> {
             let value = number(&entry.key, &entry.value, params, self.faults);
             if !known.iter().any(|p| p.key == entry.key) {
                 let name = self.faults.sources.name(file).to_owned();
-                let help =
-                    suggestion(&entry.key, "parameters", known.iter().map(|p| p.key.as_str()));
+                let help = suggestion(&entry.key, known.iter().map(|p| p.key.as_str()));
                 self.faults.push(entry.key_span, |src, at| PatchFault::UnknownParam {
                     src,
                     at,
@@ -272,8 +273,7 @@ impl Expander<'_> {
                 bound.insert(entry.key.clone(), Some(entry.clone()));
                 continue;
             }
-            let help =
-                suggestion(&entry.key, "ports", text.ports.iter().map(|(port, _)| port.as_str()));
+            let help = suggestion(&entry.key, text.ports.iter().map(|(port, _)| port.as_str()));
             self.faults.push(entry.key_span, |src, at| PatchFault::UnknownPort {
                 src,
                 at,

@@ -7,9 +7,9 @@
 
 use super::coefficient::is_name;
 use super::diagnostic::PatchFault;
-use super::faults::{Faults, suggestion};
-use super::value::{Data, Entry, Value, entries, span};
+use super::faults::Faults;
 use crate::net::Span;
+use desk::reader::{Board, Data, Entry, Fields, FileKind, entries, span};
 use miette::LabeledSpan;
 use toml::de::DeTable;
 
@@ -23,7 +23,7 @@ pub(crate) struct PatchText {
     pub(crate) blocks: Vec<BlockText>,
     pub(crate) integration: Vec<Entry>,
     pub(crate) expect: Vec<Entry>,
-    /// Whether the file could be read as TOML.
+    /// Whether the file could be read as the TOML of a patch.
     pub(crate) is_toml: bool,
 }
 
@@ -47,20 +47,6 @@ pub(crate) struct BlockText {
     pub(crate) fields: Vec<Entry>,
 }
 
-const SECTIONS: [&str; 7] = ["title", "params", "use", "ports", "blocks", "integration", "expect"];
-
-/// Paths of the sub-patches that a text uses, as far as it can be read, without any complaint.
-pub(crate) fn used_paths(text: &str) -> Vec<String> {
-    let (document, _) = DeTable::parse_recoverable(text);
-    let uses = document.get_ref().get("use");
-    uses.and_then(|uses| uses.get_ref().as_table())
-        .into_iter()
-        .flat_map(|table| table.values())
-        .filter_map(|instance| instance.get_ref().get("patch"))
-        .filter_map(|path| path.get_ref().as_str().map(str::to_owned))
-        .collect()
-}
-
 /// Reads one file.
 pub(crate) fn parse(file: u32, text: &str, faults: &mut Faults) -> PatchText {
     let (document, errors) = DeTable::parse_recoverable(text);
@@ -82,9 +68,15 @@ pub(crate) fn parse(file: u32, text: &str, faults: &mut Faults) -> PatchText {
     }
     let mut patch = PatchText { is_toml, ..PatchText::default() };
     if is_toml {
-        let mut reader = Reader { faults };
-        for section in entries(file, document.get_ref()) {
-            reader.section(section, &mut patch);
+        let entries = entries(file, document.get_ref());
+        if let Some((entry, what, help)) = FileKind::Patch.mistaken(&entries) {
+            patch.is_toml = false;
+            faults.push(entry.key_span, |src, at| PatchFault::WrongKind { src, at, what, help });
+        } else {
+            let top = span(file, 0..0);
+            let mut f = Fields::new(faults, "a patch", top, &entries);
+            sections(&mut f, &mut patch);
+            f.finish("a patch");
         }
     }
     patch
@@ -119,177 +111,71 @@ fn report_duplicate_key(text: &str, at: Span, faults: &mut Faults) {
     });
 }
 
-struct Reader<'a> {
-    faults: &'a mut Faults,
+fn sections(f: &mut Fields<'_, Faults>, patch: &mut PatchText) {
+    patch.title = f.text_or_none("title");
+    patch.params = named_entries(f, "params");
+    for entry in named_entries(f, "use") {
+        let instance = instance(f.board, &entry);
+        patch.uses.push(instance);
+    }
+    let ports = f.entries("ports");
+    let mut below = Fields::new(&mut *f.board, "[ports]", Span::default(), ports);
+    let names = below.maybe("in", |f| f.names("in")).unwrap_or_default();
+    below.finish("[ports]");
+    for port in &names {
+        check_name(f.board, &port.name, port.span);
+    }
+    patch.ports = names.into_iter().map(|port| (port.name, port.span)).collect();
+    for entry in named_entries(f, "blocks") {
+        let block = block(f.board, entry);
+        patch.blocks.push(block);
+    }
+    patch.integration = f.entries("integration").to_vec();
+    patch.expect = f.entries("expect").to_vec();
 }
 
-impl Reader<'_> {
-    fn section(&mut self, section: Entry, patch: &mut PatchText) {
-        match section.key.as_str() {
-            "title" => patch.title = self.text(section).map(|(text, _)| text),
-            "params" => {
-                patch.params = self.table(section);
-                for param in &patch.params {
-                    self.check_name(&param.key, param.key_span);
-                }
-            }
-            "use" => {
-                for entry in self.table(section) {
-                    let instance = self.instance(entry);
-                    patch.uses.push(instance);
-                }
-            }
-            "ports" => self.ports(section, patch),
-            "blocks" => {
-                for entry in self.table(section) {
-                    let block = self.block(entry);
-                    patch.blocks.push(block);
-                }
-            }
-            "integration" => patch.integration = self.table(section),
-            "expect" => patch.expect = self.table(section),
-            _ => self.unknown_key(&section, "a patch", &SECTIONS),
-        }
+/// The entries of a section, whose keys are names.
+fn named_entries(f: &mut Fields<'_, Faults>, section: &'static str) -> Vec<Entry> {
+    let entries = f.entries(section);
+    for entry in entries {
+        check_name(f.board, &entry.key, entry.key_span);
     }
+    entries.to_vec()
+}
 
-    fn instance(&mut self, entry: Entry) -> UseText {
-        self.check_name(&entry.key, entry.key_span);
-        let (name, at) = (entry.key.clone(), entry.key_span);
-        let mut path = None;
-        let mut inputs = Vec::new();
-        let mut with = Vec::new();
-        for field in self.table(entry) {
-            match field.key.as_str() {
-                "patch" => path = Some(self.text(field)),
-                "in" => inputs = self.table(field),
-                "with" => with = self.table(field),
-                _ => self.unknown_key(&field, &format!("`{name}`"), &["patch", "in", "with"]),
-            }
-        }
-        if path.is_none() {
-            let owner = format!("sub-patch `{name}`");
-            self.faults.push(at, |src, at| PatchFault::MissingField {
-                src,
-                at,
-                owner,
-                field: "patch".into(),
-                help: "write the file: patch = \"rate-gyro.toml\"".into(),
-            });
-        }
-        UseText { name, span: at, path: path.flatten(), inputs, with }
-    }
+fn instance(faults: &mut Faults, entry: &Entry) -> UseText {
+    let (name, span) = (entry.key.clone(), entry.key_span);
+    let owner = format!("sub-patch `{name}`");
+    let entries = faults.entries_of(&name, &entry.value);
+    let mut f = Fields::new(faults, &owner, span, entries);
+    let path = f.named("patch");
+    let (inputs, with) = (f.entries("in").to_vec(), f.entries("with").to_vec());
+    f.finish(&owner);
+    UseText { name, span, path: path.map(|path| (path.name, path.span)), inputs, with }
+}
 
-    fn ports(&mut self, section: Entry, patch: &mut PatchText) {
-        for field in self.table(section) {
-            if field.key != "in" {
-                self.unknown_key(&field, "[ports]", &["in"]);
-                continue;
-            }
-            let Data::List(items) = field.value.data else {
-                self.wrong_type("in", "a list of names", &field.value);
-                continue;
-            };
-            for item in items {
-                match item.data {
-                    Data::Text(name) => {
-                        self.check_name(&name, item.span);
-                        patch.ports.push((name, item.span));
-                    }
-                    _ => self.wrong_type("in", "names in quotes", &item),
-                }
-            }
-        }
-    }
+fn block(faults: &mut Faults, entry: Entry) -> BlockText {
+    let (name, span) = (entry.key, entry.key_span);
+    let Data::Table(mut fields) = entry.value.data else {
+        let wanted = "a table such as { kind = \"summer\", in = [\"x\"] }";
+        faults.wrong_type(&name, wanted, &entry.value);
+        return BlockText { name, span, kind: None, fields: Vec::new() };
+    };
+    let mut f = Fields::new(faults, &format!("block `{name}`"), span, &fields);
+    let kind = f.named("kind").map(|kind| (kind.name, kind.span));
+    f.tell_missing(&[]);
+    fields.retain(|field| field.key != "kind");
+    BlockText { name, span, kind, fields }
+}
 
-    fn block(&mut self, entry: Entry) -> BlockText {
-        self.check_name(&entry.key, entry.key_span);
-        let (name, at) = (entry.key.clone(), entry.key_span);
-        let Data::Table(all) = entry.value.data else {
-            self.wrong_type(
-                &name,
-                "a table such as { kind = \"summer\", in = [\"x\"] }",
-                &entry.value,
-            );
-            return BlockText { name, span: at, kind: None, fields: Vec::new() };
-        };
-        let mut kind = None;
-        let mut has_kind = false;
-        let mut fields = Vec::new();
-        for field in all {
-            if field.key == "kind" {
-                has_kind = true;
-                kind = self.text(field);
-            } else {
-                fields.push(field);
-            }
-        }
-        if !has_kind {
-            let owner = format!("block `{name}`");
-            self.faults.push(at, |src, at| PatchFault::MissingField {
-                src,
-                at,
-                owner,
-                field: "kind".into(),
-                help: "say what the block is: kind = \"integrator\", \"summer\", …".into(),
-            });
-        }
-        BlockText { name, span: at, kind, fields }
-    }
-
-    fn table(&mut self, entry: Entry) -> Vec<Entry> {
-        match entry.value.data {
-            Data::Table(entries) => entries,
-            _ => {
-                self.wrong_type(&entry.key, "a table", &entry.value);
-                Vec::new()
-            }
-        }
-    }
-
-    fn text(&mut self, entry: Entry) -> Option<(String, Span)> {
-        match entry.value.data {
-            Data::Text(text) => Some((text, entry.value.span)),
-            _ => {
-                self.wrong_type(&entry.key, "a string", &entry.value);
-                None
-            }
-        }
-    }
-
-    fn check_name(&mut self, name: &str, at: Span) {
-        if !is_name(name) {
-            let name = name.to_owned();
-            self.faults.push(at, |src, at| PatchFault::InvalidName {
-                src,
-                at,
-                name,
-                help: "names begin with a letter or `_` and go on with letters, digits and `_`; a dot stands only between a sub-patch and its net".into(),
-            });
-        }
-    }
-
-    fn wrong_type(&mut self, field: &str, wanted: &'static str, value: &Value) {
-        let field = field.to_owned();
-        let found = value.type_name();
-        self.faults.push(value.span, |src, at| PatchFault::WrongType {
+fn check_name(faults: &mut Faults, name: &str, at: Span) {
+    if !is_name(name) {
+        let name = name.to_owned();
+        faults.push(at, |src, at| PatchFault::InvalidName {
             src,
             at,
-            help: format!("write {wanted}"),
-            field,
-            wanted,
-            found,
-        });
-    }
-
-    fn unknown_key(&mut self, entry: &Entry, owner: &str, known: &[&str]) {
-        let (key, owner) = (entry.key.clone(), owner.to_owned());
-        let help = suggestion(&key, "keys", known.iter().copied());
-        self.faults.push(entry.key_span, |src, at| PatchFault::UnknownKey {
-            src,
-            at,
-            key,
-            owner,
-            help,
+            name,
+            help: "names begin with a letter or `_` and go on with letters, digits and `_`; a dot stands only between a sub-patch and its net".into(),
         });
     }
 }

@@ -11,6 +11,17 @@ use engine::simulation::{Advance, Simulation};
 use interface::Tick;
 use interface::control::PatchBundle;
 
+/// The tick nearest to `s` seconds.
+pub fn tick(s: f64) -> Tick {
+    Tick::from_secs(s).unwrap()
+}
+
+/// Asserts a relative error.
+pub fn close(found: f64, expected: f64, relative: f64, what: &str) {
+    let error = (found - expected).abs() / expected.abs();
+    assert!(error <= relative, "{what}: {found} instead of {expected}, relative error {error:e}");
+}
+
 /// A patch in operation.
 pub struct Bench {
     pub ordered: Ordered,
@@ -54,7 +65,7 @@ impl Bench {
     }
 
     pub fn try_run(&mut self, until_s: f64) -> Result<Advance, RunFault> {
-        self.simulation.advance_to(Tick::from_secs(until_s).unwrap())
+        self.simulation.advance_to(tick(until_s))
     }
 
     /// Runs; a fault is a failure.
@@ -67,6 +78,19 @@ impl Bench {
         self.simulation.net(self.id(name))
     }
 
+    /// Nets at every multiple of `every_s` after now.
+    pub fn record(&mut self, names: &[&str], until_s: f64, every_s: f64) -> Vec<(f64, Vec<f64>)> {
+        let nets: Vec<NetId> = names.iter().map(|name| self.id(name)).collect();
+        let mut rows = Vec::new();
+        self.simulation
+            .advance_recording(tick(until_s), tick(every_s), &nets, |t_s, values| {
+                rows.push((t_s, values.to_vec()));
+            })
+            .unwrap();
+        assert!(!rows.is_empty());
+        rows
+    }
+
     /// Greatest distance of a net from `truth(t)` at every multiple of `every_s` after now, and where.
     pub fn worst(
         &mut self,
@@ -75,27 +99,27 @@ impl Bench {
         every_s: f64,
         truth: impl Fn(f64) -> f64,
     ) -> (f64, f64) {
-        let mut worst = (0.0, 0.0);
-        let mut rows = 0;
-        let net = self.id(name);
-        let tick = |s| Tick::from_secs(s).unwrap();
-        self.simulation
-            .advance_recording(tick(until_s), tick(every_s), &[net], |t_s, values| {
-                rows += 1;
-                let error = (values[0] - truth(t_s)).abs();
-                if error > worst.0 || error.is_nan() {
-                    worst = (error, t_s);
-                }
-            })
-            .unwrap();
-        assert!(rows > 0);
-        worst
+        let rows = self.record(&[name], until_s, every_s).into_iter();
+        let errors = rows.map(|(t_s, values)| ((values[0] - truth(t_s)).abs(), t_s));
+        errors.fold((0.0, 0.0), |w, d| if d.0 > w.0 || d.0.is_nan() { d } else { w })
+    }
+
+    /// Asserts that a net is within `limit` of `truth(t)` at every hundredth of a second.
+    pub fn follows(&mut self, name: &str, until_s: f64, limit: f64, truth: impl Fn(f64) -> f64) {
+        let (worst, t_s) = self.worst(name, until_s, 0.01, truth);
+        assert!(worst <= limit, "{name}: {worst:e} at {t_s} s");
+    }
+
+    /// The interrupt edges so far.
+    pub fn all_edges(&mut self) -> Vec<Edge> {
+        let mut edges = Vec::new();
+        self.simulation.take_edges(&mut edges);
+        edges
     }
 
     /// Instants at which interrupt line `line` rose (or fell).
     pub fn edges(&mut self, line: u32, rising: bool) -> Vec<f64> {
-        let mut edges: Vec<Edge> = Vec::new();
-        self.simulation.take_edges(&mut edges);
+        let edges = self.all_edges();
         edges.iter().filter(|e| e.line == line && e.rising == rising).map(|e| e.t_s).collect()
     }
 }

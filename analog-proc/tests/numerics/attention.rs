@@ -1,12 +1,8 @@
 //! What an attendant is asked and told, and that a recorded value is a number.
 
-use crate::common::{Patch, integrator, tick};
-use crate::oscillator;
-use analog_proc::block::kind::Constant;
-use analog_proc::net::Kind;
+use crate::{Bench, oscillator, tick};
 use engine::fault::RunFault;
 use engine::simulation::{Pulse, Simulation};
-use engine::{id::NetId, integration::Method};
 use std::ops::ControlFlow;
 
 /// Passes after which an attendant is asked, of a patch of up to four states.
@@ -25,17 +21,16 @@ fn pulses(simulation: &mut Simulation, stop_s: f64) -> Vec<Pulse> {
 
 #[test]
 fn an_attendant_is_asked_every_few_thousand_passes_and_alters_nothing() {
-    for method in [Method::DormandPrince, Method::Sdirk4, Method::RungeKutta4] {
-        let mut alone = oscillator(method).simulation();
-        alone.advance_to(tick(1000.0)).unwrap();
-        let mut attended = oscillator(method).simulation();
-        let pulses = pulses(&mut attended, 1000.0);
-        assert_eq!(alone.statistics(), attended.statistics());
-        for net in [NetId(0), NetId(1)] {
+    for method in ["dormand-prince", "sdirk4", "runge-kutta-4"] {
+        let (mut alone, mut attended) = (oscillator(method), oscillator(method));
+        alone.run(1000.0);
+        let pulses = pulses(&mut attended.simulation, 1000.0);
+        assert_eq!(alone.simulation.statistics(), attended.simulation.statistics());
+        for net in ["x", "v"] {
             assert_eq!(alone.net(net).to_bits(), attended.net(net).to_bits());
         }
         let passes: Vec<u64> = pulses.iter().map(|p| p.statistics.evaluations).collect();
-        assert!(passes.len() > 5, "{method:?}: {}", passes.len());
+        assert!(passes.len() > 5, "{method}: {}", passes.len());
         let gaps = passes.windows(2).map(|w| w[1] - w[0]);
         // Beyond them lies one step: of the implicit method with five stages of ten
         // iterations at most and a Jacobian of two columns, tried a few times.
@@ -47,7 +42,7 @@ fn an_attendant_is_asked_every_few_thousand_passes_and_alters_nothing() {
 
 #[test]
 fn an_attendant_ends_a_run_and_the_fault_stands() {
-    let mut simulation = oscillator(Method::DormandPrince).simulation();
+    let mut simulation = oscillator("dormand-prince").simulation;
     let mut asked = 0;
     let end = simulation.advance_attended(tick(1000.0), &mut |_| {
         asked += 1;
@@ -63,13 +58,13 @@ fn an_attendant_ends_a_run_and_the_fault_stands() {
 #[test]
 fn a_sink_that_has_had_enough_ends_a_run_within_its_step() {
     // Without anything to integrate a step is as long as the whole run.
-    let mut patch = Patch::new();
-    patch.add("c", Kind::Constant(Constant { value: 1.0 }), &[]);
+    let mut bench = Bench::new("c = { kind = \"constant\", value = 1.0 }");
+    let net = bench.id("c");
     let mut rows = 0;
-    let end = patch.simulation().advance_recording_attended(
+    let end = bench.simulation.advance_recording_attended(
         tick(1e6),
         tick(1e-6),
-        &[NetId(0)],
+        &[net],
         &mut |_, _| {
             rows += 1;
             if rows < 10 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
@@ -80,8 +75,8 @@ fn a_sink_that_has_had_enough_ends_a_run_within_its_step() {
 }
 
 /// The median of step times fastest rate over a run.
-fn step_rate(patch: &Patch, stop_s: f64) -> f64 {
-    let pulses = pulses(&mut patch.simulation(), stop_s);
+fn step_rate(mut bench: Bench, stop_s: f64) -> f64 {
+    let pulses = pulses(&mut bench.simulation, stop_s);
     let mut rates: Vec<f64> = pulses.iter().filter_map(|p| p.step_rate).collect();
     rates.sort_by(f64::total_cmp);
     rates[rates.len() / 2]
@@ -91,27 +86,33 @@ fn step_rate(patch: &Patch, stop_s: f64) -> f64 {
 fn the_step_rate_tells_stability_from_accuracy() {
     // A real pole at −1e5 that follows a slow one. The region of the method ends at −3.31
     // (Hairer and Wanner II, IV.2); the controller keeps the step about there.
-    let mut stiff = Patch::new();
-    stiff.add("x", integrator(1.0), &["-1e5 * x", "1e5 * y"]);
-    stiff.add("y", integrator(0.0), &["-1 * y", "one"]);
-    stiff.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
-    let rate = step_rate(&stiff, 1.0);
+    let stiff = Bench::new(
+        r#"
+        x = { kind = "integrator", in = ["-1e5 * x", "1e5 * y"], ic = 1.0 }
+        y = { kind = "integrator", in = ["-1 * y", "one"] }
+        one = { kind = "constant", value = 1.0 }
+    "#,
+    );
+    let rate = step_rate(stiff, 1.0);
     assert!((2.8..3.5).contains(&rate), "{rate}");
     // Accuracy: rtol 1e-10 of an oscillation asks for ωh well below one.
-    let rate = step_rate(&oscillator(Method::DormandPrince), 1000.0);
+    let rate = step_rate(oscillator("dormand-prince"), 1000.0);
     assert!(rate < 0.3, "{rate}");
-    let pulses = pulses(&mut oscillator(Method::Sdirk4).simulation(), 10.0);
+    let pulses = pulses(&mut oscillator("sdirk4").simulation, 10.0);
     assert!(pulses.iter().all(|p| p.step_rate.is_none()));
 }
 
 #[test]
 fn a_value_that_overflows_between_two_steps_is_a_fault() {
     // Both ends of the step are finite; their difference is not.
-    let mut patch = Patch::new();
-    let x = patch.add("x", integrator(1.7e308), &["slope"]);
-    patch.add("slope", Kind::Constant(Constant { value: -3.4e307 }), &[]);
-    let mut rows = 0;
-    let end = patch.simulation().advance_recording(tick(10.0), tick(1.0), &[x], |_, v| {
+    let mut bench = Bench::new(
+        r#"
+        x = { kind = "integrator", in = ["slope"], ic = 1.7e308 }
+        slope = { kind = "constant", value = -3.4e307 }
+    "#,
+    );
+    let (x, mut rows) = (bench.id("x"), 0);
+    let end = bench.simulation.advance_recording(tick(10.0), tick(1.0), &[x], |_, v| {
         assert!(v[0].is_finite());
         rows += 1;
     });

@@ -1,167 +1,141 @@
 //! What stops a run or is told of it: each fault with its block and its instant.
 
-use crate::common::{Patch, close, integrator, tick};
-use crate::oscillator;
-use analog_proc::block::kind::*;
-use analog_proc::net::{Expected, Level};
-use analog_proc::static_check::static_check;
-use engine::fault::RunFault;
+use crate::{Bench, OSCILLATOR, bench::ordered, close};
+use analog_proc::session::static_check::static_check;
 use engine::{
-    id::{BlockId, NetId},
-    integration::{Method, OverloadPolicy},
+    fault::RunFault,
+    integration::{Integration, OverloadPolicy},
 };
 
 #[test]
 fn undefined_numbers_are_faults() {
+    // The language refuses them; so does the engine, whoever fills its program.
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let mut patch = Patch::new();
-        patch.add("y", integrator(bad), &["-1 * y"]);
-        assert!(matches!(patch.ordered().simulation(), Err(RunFault::NonFinite { .. })));
-        let mut patch = Patch::new();
-        patch.add("c", Kind::Constant(Constant { value: bad }), &[]);
-        patch.add("y", integrator(0.0), &["c"]);
-        assert!(matches!(patch.ordered().simulation(), Err(RunFault::NonFinite { .. })));
-        let mut patch = oscillator(Method::DormandPrince);
-        patch.integration.rtol = bad;
-        assert!(matches!(patch.ordered().simulation(), Err(RunFault::Setting { .. })));
+        let mut patch = ordered(&format!("[blocks]\n{OSCILLATOR}")).unwrap();
+        patch.netlist.integration = Integration { rtol: bad, ..patch.netlist.integration };
+        assert!(matches!(patch.simulation(), Err(RunFault::Setting { .. })));
     }
+    // 1e200² is beyond all numbers.
+    let text = "[blocks]\nc = { kind = \"constant\", value = 1e200 }\nq = { kind = \"square\", in = [\"c\"] }";
+    assert!(matches!(ordered(text).unwrap().simulation(), Err(RunFault::NonFinite { .. })));
     // dy/dt = y² from 1 is infinite at t = 1.
-    let mut patch = Patch::new();
-    patch.add("y", integrator(1.0), &["q"]);
-    patch.add("q", Kind::Square(Square), &["y"]);
-    let fault = patch.simulation().advance_to(tick(2.0)).unwrap_err();
-    assert!(
-        matches!(fault, RunFault::StepUnderflow { .. } | RunFault::NonFinite { .. }),
-        "{fault}"
+    let mut bench = Bench::new(
+        r#"
+        y = { kind = "integrator", in = ["q"], ic = 1.0 }
+        q = { kind = "square", in = ["y"] }
+    "#,
     );
+    let fault = bench.try_run(2.0).unwrap_err();
+    let is_told = matches!(fault, RunFault::StepUnderflow { .. } | RunFault::NonFinite { .. });
+    assert!(is_told, "{fault}");
 }
 
 #[test]
 fn zero_divisors_and_negative_roots_are_located() {
-    let mut patch = Patch::new();
-    patch.add("t", Kind::Time(Time), &[]);
-    patch.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
-    patch.add("down", Kind::Summer(Summer), &["one", "-4 * t"]);
-    patch.add("ratio", Kind::Divider(Divider), &["one", "down"]);
-    match patch.simulation().advance_to(tick(1.0)).unwrap_err() {
-        RunFault::DividedByZero { block, t_s } => {
-            assert_eq!(block, "ratio");
-            assert!((t_s - 0.25).abs() < 1e-12);
-        }
-        other => panic!("{other}"),
-    }
-    let mut patch = Patch::new();
-    patch.add("t", Kind::Time(Time), &[]);
-    patch.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
-    patch.add("root", Kind::SquareRoot(SquareRoot), &["one", "-4 * t"]);
-    match patch.simulation().advance_to(tick(1.0)).unwrap_err() {
-        RunFault::NegativeRoot { block, t_s } => {
-            assert_eq!(block, "root");
-            assert!((t_s - 0.25).abs() < 1e-12);
-        }
-        other => panic!("{other}"),
-    }
+    let mut bench = Bench::new(
+        r#"
+        t = { kind = "time" }
+        one = { kind = "constant", value = 1.0 }
+        down = { kind = "summer", in = ["one", "-4 * t"] }
+        ratio = { kind = "divider", in = ["one", "down"] }
+    "#,
+    );
+    let fault = bench.try_run(1.0).unwrap_err();
+    let RunFault::DividedByZero { block, t_s } = fault else { panic!("{fault}") };
+    assert!(block == "ratio" && (t_s - 0.25).abs() < 1e-12);
+    let mut bench = Bench::new(
+        r#"
+        t = { kind = "time" }
+        one = { kind = "constant", value = 1.0 }
+        root = { kind = "square-root", in = ["one", "-4 * t"] }
+    "#,
+    );
+    let fault = bench.try_run(1.0).unwrap_err();
+    let RunFault::NegativeRoot { block, t_s } = fault else { panic!("{fault}") };
+    assert!(block == "root" && (t_s - 0.25).abs() < 1e-12);
 }
 
 /// d = √(max(1 − t, 0)), the argument cut off in three ways.
 #[test]
 fn a_guarded_root_goes_on_at_zero() {
-    let limits = [0.0, 10.0];
-    let limiter =
-        Kind::Limiter(Limiter { low: Level::Fixed(limits[0]), high: Level::Fixed(limits[1]) });
-    let stopped = Kind::Integrator(Integrator {
-        ic: 1.0,
-        limits: Some(limits),
-        operate: None,
-        reset: None,
-        reset_to: None,
-    });
-    for (ramp, guard) in [
-        (integrator(1.0), limiter),
-        (integrator(1.0), Kind::Max(Max)),
-        (stopped, Kind::Summer(Summer)),
+    for (stop, guard) in [
+        ("", "kind = \"limiter\", in = [\"a\"], limits = [0.0, 10.0]"),
+        ("", "kind = \"max\", in = [\"a\", \"zero\"]"),
+        (", limits = [0.0, 10.0]", "kind = \"summer\", in = [\"a\"]"),
     ] {
-        let mut patch = Patch::new();
-        patch.add("one", Kind::Constant(Constant { value: 1.0 }), &[]);
-        patch.add("zero", Kind::Constant(Constant { value: 0.0 }), &[]);
-        patch.add("a", ramp, &["-1 * one"]);
-        let cut = matches!(guard, Kind::Max(Max));
-        let inputs: &[&str] = if cut { &["a", "zero"] } else { &["a"] };
-        patch.add("p", guard, inputs);
-        let d = patch.add("d", Kind::SquareRoot(SquareRoot), &["p"]);
-        let area = patch.add("I", integrator(0.0), &["d"]);
-        let mut simulation = patch.simulation();
+        let mut bench = Bench::new(&format!(
+            r#"
+            one = {{ kind = "constant", value = 1.0 }}
+            zero = {{ kind = "constant", value = 0.0 }}
+            a = {{ kind = "integrator", in = ["-1 * one"], ic = 1.0{stop} }}
+            p = {{ {guard} }}
+            d = {{ kind = "square-root", in = ["p"] }}
+            I = {{ kind = "integrator", in = ["d"] }}
+        "#
+        ));
         for t_s in [0.5, 1.0, 1.5, 4.0] {
-            simulation.advance_to(tick(t_s)).unwrap();
-            let expected = (1.0 - t_s).max(0.0).sqrt();
+            let expected = (1.0_f64 - t_s).max(0.0).sqrt();
             // Rounding of the argument below the tolerance of the state.
-            assert!((simulation.net(d) - expected).abs() < 1e-6, "d at {t_s}");
+            assert!((bench.run(t_s).net("d") - expected).abs() < 1e-6, "d at {t_s}");
         }
-        close(simulation.net(area), 2.0 / 3.0, 1e-6, "area");
+        close(bench.net("I"), 2.0 / 3.0, 1e-6, "area");
     }
 }
 
 #[test]
 fn races_and_chatter_are_faults_not_hangs() {
     // A flip-flop that sets itself when clear and clears itself when set.
-    let mut patch = Patch::new();
-    patch.add("q", Kind::FlipFlop(FlipFlop { initial: false }), &["nq", "q"]);
-    patch.add("nq", Kind::Not(Not), &["q"]);
-    match patch.ordered().simulation() {
+    let text = "[blocks]\nq = { kind = \"flip-flop\", in = [\"nq\", \"q\"] }\nnq = { kind = \"not\", in = [\"q\"] }";
+    match ordered(text).unwrap().simulation() {
         Err(RunFault::LogicRace { nets, .. }) => assert!(nets.contains(&"q".to_string())),
         other => panic!("{:?}", other.map(|_| ())),
     }
     // Sliding on a relay without hysteresis.
-    let mut patch = Patch::new();
-    patch.add("x", integrator(1.0), &["r"]);
-    let relay = Kind::Relay(Relay { points: [0.0, 0.0], outputs: [1.0, -1.0], initially_on: true });
-    patch.add("r", relay, &["x"]);
-    match patch.simulation().advance_to(tick(2.0)) {
-        Err(RunFault::Chatter { block, t_s, .. }) => {
-            assert_eq!(block, "r");
-            assert!((t_s - 1.0).abs() < 1e-6);
-        }
-        other => panic!("{other:?}"),
-    }
+    let mut bench = Bench::new(
+        r#"
+        x = { kind = "integrator", in = ["r"], ic = 1.0 }
+        r = { kind = "relay", in = ["x"], points = [0.0, 0.0], outputs = [1.0, -1.0], initially-on = true }
+    "#,
+    );
+    let end = bench.try_run(2.0);
+    let Err(RunFault::Chatter { block, t_s, .. }) = end else { panic!("{end:?}") };
+    assert!(block == "r" && (t_s - 1.0).abs() < 1e-6);
 }
 
 #[test]
 fn overload_is_latched_where_it_happens() {
-    let mut patch = oscillator(Method::DormandPrince);
     // v = −2·sin 2t reaches −1.1 at t = ½·asin(0.55).
-    patch.max("v", 1.0);
-    for policy in [OverloadPolicy::Continue, OverloadPolicy::Hold, OverloadPolicy::Stop] {
-        patch.integration.overload = policy;
-        let mut simulation = patch.simulation();
-        let advance = simulation.advance_to(tick(5.0)).unwrap();
-        let latched = simulation.overloads()[0];
-        assert_eq!(simulation.overloads().len(), 1);
-        assert_eq!(latched.block, BlockId(1));
+    let blocks = OSCILLATOR.replace("[\"-4 * x\"]", "[\"-4 * x\"], max = 1.0");
+    for (word, policy) in [
+        ("continue", OverloadPolicy::Continue),
+        ("hold", OverloadPolicy::Hold),
+        ("stop", OverloadPolicy::Stop),
+    ] {
+        let mut bench = Bench::with(&format!("overload = \"{word}\""), &blocks);
+        let advance = bench.try_run(5.0).unwrap();
+        let [latched] = bench.simulation.overloads() else { panic!("more than one") };
+        assert_eq!(bench.ordered.netlist.blocks[latched.block.index()].name, "v");
         close(latched.t_s, 0.5 * 0.55_f64.asin(), 1e-9, "overload");
         assert_eq!(advance.stopped_by.is_some(), policy != OverloadPolicy::Continue);
-        let again = simulation.advance_to(tick(6.0)).unwrap();
-        assert_eq!(again.reached == tick(6.0), policy == OverloadPolicy::Continue);
+        let again = bench.try_run(6.0).unwrap();
+        assert_eq!(again.reached == crate::tick(6.0), policy == OverloadPolicy::Continue);
     }
 }
 
 #[test]
 fn static_check_reports_what_differs() {
-    let mut ordered = oscillator(Method::DormandPrince).ordered();
-    let mut simulation = ordered.simulation().unwrap();
-    let item = |derivative| Expected {
-        net: NetId(1),
-        output: Some(0.0),
-        derivative: Some(derivative),
-        tolerance: 1e-12,
+    let of = |derivative: f64| {
+        let mut bench = Bench::of(
+            ordered(&format!(
+                "[blocks]\n{OSCILLATOR}\n[expect]\nv = {{ output = 0.0, derivative = {derivative:?} }}\n"
+            ))
+            .unwrap(),
+        );
+        let found = static_check(&bench.ordered, &mut bench.simulation).unwrap();
+        found.iter().map(|l| (l.what.clone(), l.found, l.agrees)).collect::<Vec<_>>()
     };
-    ordered.netlist.expected = vec![item(-4.0), item(4.0)];
-    let found = static_check(&ordered, &mut simulation).unwrap();
-    let seen: Vec<_> = found.iter().map(|l| (l.what.as_str(), l.found, l.agrees)).collect();
-    let wanted = [
-        ("output", 0.0, true),
-        ("derivative", -4.0, true),
-        ("output", 0.0, true),
-        ("derivative", -4.0, false),
-    ];
-    assert_eq!(seen, wanted);
+    for (derivative, agrees) in [(-4.0, true), (4.0, false)] {
+        let wanted = [("output".to_owned(), 0.0, true), ("derivative".to_owned(), -4.0, agrees)];
+        assert_eq!(of(derivative), wanted);
+    }
 }

@@ -1,33 +1,26 @@
-//! What must not change an answer: repetition, recording, frames, HOLD.
+//! What must not change an answer: repetition, recording, frames, HOLD, folding.
 
-use crate::common::{Patch, close, integrator, tick};
-use crate::oscillator;
-use analog_proc::block::kind::*;
+use crate::{Bench, close, oscillator, tick};
 use engine::element::dac::DacPiece;
-use engine::{id::NetId, integration::Method};
-
-fn lorenz() -> Patch {
-    let mut patch = Patch::new();
-    patch.add("x", integrator(1.0), &["10 * y", "-10 * x"]);
-    patch.add("y", integrator(1.0), &["28 * x", "-1 * y", "-1 * xz"]);
-    patch.add("z", integrator(1.0), &["xy", "-2.6666666666666665 * z"]);
-    patch.add("xz", Kind::Multiplier(Multiplier), &["x", "z"]);
-    patch.add("xy", Kind::Multiplier(Multiplier), &["x", "y"]);
-    patch.add("sign", Kind::Comparator(Comparator { threshold: 0.0, hysteresis: 0.0 }), &["x"]);
-    patch
-}
 
 #[test]
 fn runs_repeat_to_the_bit_and_recording_changes_nothing() {
-    let run = |every: Option<f64>| {
-        let mut simulation = lorenz().simulation();
-        match every {
-            Some(every) => simulation
-                .advance_recording(tick(12.0), tick(every), &[NetId(0)], |_, _| {})
-                .unwrap(),
-            None => simulation.advance_to(tick(12.0)).unwrap(),
-        };
-        [0, 1, 2].map(|i| simulation.net(NetId(i)).to_bits())
+    let run = |every_s: Option<f64>| {
+        let mut bench = Bench::new(
+            r#"
+            x = { kind = "integrator", in = ["10 * y", "-10 * x"], ic = 1.0 }
+            y = { kind = "integrator", in = ["28 * x", "-1 * y", "-1 * xz"], ic = 1.0 }
+            z = { kind = "integrator", in = ["xy", "-2.6666666666666665 * z"], ic = 1.0 }
+            xz = { kind = "multiplier", in = ["x", "z"] }
+            xy = { kind = "multiplier", in = ["x", "y"] }
+            sign = { kind = "comparator", in = ["x"] }
+        "#,
+        );
+        match every_s {
+            Some(every_s) => drop(bench.record(&["x"], 12.0, every_s)),
+            None => drop(bench.run(12.0)),
+        }
+        ["x", "y", "z"].map(|net| bench.net(net).to_bits())
     };
     let first = run(None);
     assert_eq!(first, run(None));
@@ -37,45 +30,84 @@ fn runs_repeat_to_the_bit_and_recording_changes_nothing() {
 
 #[test]
 fn frames_do_not_change_the_answer() {
-    let mut whole = oscillator(Method::DormandPrince).simulation();
-    whole.advance_to(tick(5.0)).unwrap();
-    let mut framed = oscillator(Method::DormandPrince).simulation();
+    let mut whole = oscillator("dormand-prince");
+    whole.run(5.0);
+    let mut framed = oscillator("dormand-prince");
     for n in 1..=50 {
-        framed.apply().unwrap();
-        framed.advance_to(tick(0.1) * n).unwrap();
-        assert_eq!(framed.now_s().to_bits(), (tick(0.1) * n).secs().to_bits());
+        framed.simulation.apply().unwrap();
+        framed.simulation.advance_to(tick(0.1) * n).unwrap();
+        assert_eq!(framed.simulation.now_s().to_bits(), (tick(0.1) * n).secs().to_bits());
     }
     // Both within the default tolerance of the truth over two cycles.
-    assert!((whole.net(NetId(0)) - framed.net(NetId(0))).abs() < 1e-9);
+    assert!((whole.net("x") - framed.net("x")).abs() < 1e-9);
 }
 
 #[test]
 fn hold_feeds_nothing_through() {
-    let mut patch = Patch::new();
-    patch.add("in", Kind::Dac(Dac { channel: 3, initial: 1.0 }), &[]);
-    patch.add("run", Kind::Control(Control { line: 0, initial: true }), &[]);
-    let operate = Some(NetId(1));
-    let held = Kind::Integrator(Integrator {
-        ic: 0.0,
-        limits: None,
-        operate,
-        reset: None,
-        reset_to: None,
-    });
-    patch.add("y", held, &["in"]);
-    let mut simulation = patch.simulation();
-    simulation.advance_to(tick(1.0)).unwrap();
-    simulation.set_control(0, false);
-    simulation.set_dac(3, DacPiece::held(1e300, 1.0));
-    simulation.apply().unwrap();
-    let before = simulation.net(NetId(2));
-    simulation.advance_to(tick(2.0)).unwrap();
-    assert_eq!(simulation.net(NetId(2)).to_bits(), before.to_bits());
-    simulation.hold(true);
-    simulation.set_control(0, true);
-    simulation.apply().unwrap();
-    let stood = simulation.advance_to(tick(3.0)).unwrap();
-    assert_eq!(stood.reached, tick(2.0));
-    assert_eq!(simulation.net(NetId(2)).to_bits(), before.to_bits());
+    let mut bench = Bench::new(
+        r#"
+        in = { kind = "dac", channel = 3, initial = 1.0 }
+        run = { kind = "control", line = 0, initial = true }
+        y = { kind = "integrator", in = ["in"], operate = "run" }
+    "#,
+    );
+    bench.run(1.0);
+    bench.simulation.set_control(0, false);
+    bench.simulation.set_dac(3, DacPiece::held(1e300, 1.0));
+    bench.simulation.apply().unwrap();
+    let before = bench.net("y");
+    assert_eq!(bench.run(2.0).net("y").to_bits(), before.to_bits());
+    bench.simulation.hold(true);
+    bench.simulation.set_control(0, true);
+    bench.simulation.apply().unwrap();
+    assert_eq!(bench.try_run(3.0).unwrap().reached, tick(2.0));
+    assert_eq!(bench.net("y").to_bits(), before.to_bits());
     close(before, 1.0, 1e-12, "held value");
+}
+
+/// One set of equations twice: as a programmer patches it, and with a monitor on every
+/// net, so that nothing has a single reader and nothing can be folded into it.
+#[test]
+fn folding_does_not_change_the_equations() {
+    let blocks = r#"
+        x = { kind = "integrator", in = ["pull", "-0.3 * xy"], ic = 1.0 }
+        y = { kind = "integrator", in = ["push", "bent"], ic = 0.5 }
+        gain = { kind = "gain", in = ["x"], k = -1.5 }
+        inverted = { kind = "inverter", in = ["gain"] }
+        pull = { kind = "summer", in = ["gain", "0.5 * y", "u"] }
+        u = { kind = "dcu", channel = 2, in = ["y"], initial = 0.25 }
+        xy = { kind = "multiplier", in = ["inverted", "u", "y"] }
+        sum = { kind = "summer", in = ["x", "-2 * y"] }
+        bent = { kind = "limiter", in = ["sum"], limits = [-0.4, 0.4] }
+        push = { kind = "summer", in = ["sum_2"] }
+        sum_2 = { kind = "summer", in = ["0.1 * x", "-0.2 * y", "0.3 * gain", "0.1 * inverted", "0.1 * u"] }
+    "#;
+    let mut monitors = "nil = { kind = \"constant\", value = 0.0 }\n".to_owned();
+    for (i, net) in ["xy", "sum", "sum_2", "pull", "push", "bent"].iter().enumerate() {
+        monitors += &format!("keep_{i} = {{ kind = \"multiplier\", in = [\"{net}\", \"nil\"] }}\n");
+        monitors += &format!("held_{i} = {{ kind = \"integrator\", in = [\"keep_{i}\"] }}\n");
+    }
+    let mut folded = Bench::new(blocks);
+    let mut plain = Bench::new(&format!("{blocks}{monitors}"));
+    let operations = |bench: &Bench| bench.simulation.machine().operations();
+    assert!(operations(&folded) < operations(&plain));
+    // Derivatives at the start, by hand: u = 0.125, gain = −1.5, inverted = 1.5.
+    let xy = 1.5 * 0.125 * 0.5;
+    let x_rate = -1.5 + 0.25 + 0.125 - 0.3 * xy;
+    let y_rate = 0.1 - 0.1 - 0.45 + 0.15 + 0.0125;
+    for bench in [&folded, &plain] {
+        for (net, rate) in [("x", x_rate), ("y", y_rate)] {
+            let driver = bench.ordered.netlist.nets[bench.id(net).index()].driver;
+            let found = bench.simulation.derivative(driver).unwrap();
+            // A dozen roundings of terms up to 1.5.
+            assert!((found - rate).abs() < 12.0 * 1.5 * f64::EPSILON, "{net}: {found}");
+        }
+    }
+    folded.run(5.0);
+    plain.run(5.0);
+    for net in ["x", "y", "xy", "sum", "bent", "push", "inverted"] {
+        // Both within the tolerance of one truth; the steps differ by the extra states.
+        let difference = (folded.net(net) - plain.net(net)).abs();
+        assert!(difference < 1e-8, "{net}: {difference:e}");
+    }
 }

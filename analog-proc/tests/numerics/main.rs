@@ -5,32 +5,25 @@
 
 #![allow(clippy::unwrap_used, clippy::disallowed_methods)]
 
-#[path = "../common/mod.rs"]
-mod common;
+#[path = "../common/bench.rs"]
+mod bench;
 
 mod attention;
-mod blocks_exact;
+mod blocks;
 mod events;
 mod faults;
 mod invariance;
-mod orders;
+mod methods;
 
-use common::{Patch, integrator};
-use engine::element::logic::Edge;
-use engine::integration::Method;
-use engine::simulation::Simulation;
+use bench::{Bench, close, tick};
 
-/// Takes the interrupt edges so far.
-fn edges(simulation: &mut Simulation) -> Vec<Edge> {
-    let mut out = Vec::new();
-    simulation.take_edges(&mut out);
-    out
-}
+/// x = cos 2t.
+const OSCILLATOR: &str = r#"
+    x = { kind = "integrator", in = ["v"], ic = 1.0 }
+    v = { kind = "integrator", in = ["-4 * x"] }
+"#;
 
-/// x = cos 2t, by `method`.
-fn oscillator(method: Method) -> Patch {
-    let mut patch = Patch::with(method);
-    patch.add("x", integrator(1.0), &["v"]);
-    patch.add("v", integrator(0.0), &["-4 * x"]);
-    patch
+/// The same by a method.
+fn oscillator(method: &str) -> Bench {
+    Bench::with(&format!("method = \"{method}\""), OSCILLATOR)
 }

@@ -22,10 +22,5 @@ mod polynomials;
 mod shipped;
 mod sizes;
 
+use bench::close;
 use std::f64::consts::TAU;
-
-/// Asserts a relative error.
-fn close(found: f64, expected: f64, relative: f64, what: &str) {
-    let error = (found - expected).abs() / expected.abs();
-    assert!(error <= relative, "{what}: {found} instead of {expected}, relative error {error:e}");
-}

@@ -22,7 +22,7 @@ use desk::{
     report::claims_text,
     run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
 };
-use interface::{Tick, profile::Profile};
+use interface::Tick;
 use std::{
     path::PathBuf,
     time::{Instant, SystemTime},
@@ -77,7 +77,7 @@ impl CaseStudy {
         if let Some(dispersions) = &dispersions {
             dispersions.locate(&vehicle).map_err(Failure::input)?;
         }
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let plan = CasePlan {
             short: Plan::new(&study, &vehicle).map_err(Failure::input)?,
             patches: Patches::shipped(),

@@ -25,7 +25,6 @@ use crate::{
 };
 use desk::failure::Failure;
 use desk::{note, say};
-use interface::profile::Profile;
 use serde::Serialize;
 
 /// Design the gain schedules: interval by interval on the short-period pitch loop,
@@ -83,7 +82,7 @@ impl DesignGains {
         for reason in lacking {
             note!("not judged: {reason}");
         }
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let mut run =
             StudyRun::begin("design-gains", &self.study, &self.machine, &profile, &vehicle)?;
         run.set("evaluations", self.evaluations as i64);

@@ -18,7 +18,7 @@ use desk::{
     report::Summary,
     run_dir::{DEFAULT_BASE, Seed, TRACE_FILE, TRANSFERS_FILE},
 };
-use interface::{Tick, profile::Profile};
+use interface::Tick;
 use std::path::PathBuf;
 use vehicle::{
     Vehicle, failure_file::FailureFile, flight_mode::FlightMode, flight_summary::FlightSummary,
@@ -173,7 +173,7 @@ impl Fly {
 
     /// The command line as everything that the flight follows from.
     fn plan_record(&self, vehicle: &Vehicle) -> Result<PlanRecord, Failure> {
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let own = self.failures.as_deref().map(FailureFile::load).transpose()?;
         let script = own.as_ref().unwrap_or_else(|| FailureFile::shipped()).mode(&self.mode)?;
         let data = vehicle.data();

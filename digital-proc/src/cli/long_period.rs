@@ -20,7 +20,6 @@ use desk::{
     progress::Progress,
     report::claims_text,
 };
-use interface::profile::Profile;
 use serde::Serialize;
 use std::path::PathBuf;
 use vehicle::failure_file::FailureFile;
@@ -52,7 +51,7 @@ impl LongPeriod {
         let own =
             self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
         let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let mut record =
             StudyRun::begin("long-period", &self.study, &self.machine, &profile, &vehicle)?;
         record.set("failures", failures.file.as_str());

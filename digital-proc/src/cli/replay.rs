@@ -43,7 +43,7 @@ impl Replay {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let directory = self.which.open()?;
         let path = directory.file(RECORD_FILE);
-        let text = interface::user_file::read_text(&path)
+        let text = desk::user_file::read_text(&path)
             .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
         let file = path.display().to_string();
         let source = Source { file: &file, text: &text };

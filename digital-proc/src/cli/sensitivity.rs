@@ -18,7 +18,6 @@ use crate::{
 use desk::failure::Failure;
 use desk::progress::Progress;
 use desk::say;
-use interface::profile::Profile;
 use std::path::PathBuf;
 
 /// Disperse the pitch loop: aerodynamics, actuators, gyro and bending, one at a
@@ -43,7 +42,7 @@ impl Sensitivity {
         }
         .map_err(Failure::input)?;
         dispersions.locate(&vehicle).map_err(Failure::input)?;
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let mut record =
             StudyRun::begin("sensitivity", &self.study, &self.machine, &profile, &vehicle)?;
         if let Some(file) = &self.dispersions {

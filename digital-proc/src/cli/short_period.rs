@@ -23,7 +23,7 @@ use desk::{
     progress::Progress,
     run_dir::{DEFAULT_BASE, RunDirectory, TRACE_FILE, UtcSecond},
 };
-use interface::{Tick, profile::Profile};
+use interface::Tick;
 use serde_json::json;
 use std::{path::PathBuf, time::SystemTime};
 
@@ -97,7 +97,7 @@ impl Runs {
         keep: impl Fn(&mut Plan),
     ) -> Result<(), Failure> {
         let (vehicle, mut study) = self.input.load()?;
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         // Decoupled and undisturbed runs are there for every condition that is asked for.
         for condition in &mut study.conditions {
             condition.overshoot = true;

@@ -210,7 +210,7 @@ mod tests {
             misalign_yaw: -1.0 / 3.0,
             failure_at: Tick(1),
             mode: mode.script().clone(),
-            profile: Profile::load(profile).unwrap(),
+            profile: desk::profile::load(profile).unwrap(),
             vehicle: vehicle.data().clone(),
         }
     }
@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn a_flight_is_planned_alike_from_its_record() {
         for mode in FlightMode::ALL {
-            for profile in Profile::BUILT_IN {
+            for (profile, _) in desk::profile::BUILT_IN {
                 let record = record(mode, profile);
                 let read =
                     PlanRecord::from_run_toml(Path::new("run.toml"), &text(&record)).unwrap();

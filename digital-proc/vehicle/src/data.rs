@@ -1,119 +1,204 @@
-//! The vehicle data set as it stands in the TOML file, one struct a section.
+//! The vehicle data set, one struct a section: each field with its key in the file and its rule.
 //!
-//! Keys of the file keep their names; fields of the structs carry the unit.
-//! Angles stay in the unit of the file here and are converted where they are
-//! used. An unknown key is an error in every section but `[sources]` and
-//! `[notes]`, which hold free text. Nothing is validated here beyond types:
-//! that is `check`'s work.
+//! Keys of the file keep their names; fields of the structs carry the unit. Angles stay in the
+//! unit of the file here and are converted where they are used. `[sources]` and `[notes]` hold
+//! free text. What sections must fulfil together stands in [`relations`].
 
+use desk::reader::Range::{Any, NotNegative, Positive};
+use desk::reader::{Data, SheetFields, Value};
+use desk::table;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
-/// The whole file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VehicleData {
-    /// Short names of the sources cited in the comments.
-    #[serde(default)]
-    pub sources: BTreeMap<String, String>,
-    /// Launch site and Earth.
-    pub site: Site,
-    /// Lengths and areas.
-    pub geometry: Geometry,
-    /// Masses and their layout.
-    pub mass: Mass,
-    /// Vacuum thrust.
-    pub thrust: Thrust,
-    /// Aerodynamic coefficients.
-    pub aero: Aero,
-    /// Fin-tip control.
-    pub ftc: Ftc,
-    /// Secondary-injection thrust vector control.
-    pub tvc: Tvc,
-    /// Rate gyro package.
-    pub gyro: Gyro,
-    /// Inertial measurement unit.
-    pub imu: Imu,
-    /// First bending mode.
-    pub bending: Bending,
-    /// Disturbances.
-    pub disturbance: Disturbance,
-    /// Structural limit.
-    pub limits: Limits,
-    /// Stored pitch programme.
-    pub pitch_programme: PitchProgrammeData,
-    /// Synthetic wind.
-    pub wind: WindData,
-    /// Designed gain schedule.
-    pub gains: DesignedGains,
-    /// Schedule with fewer switchings.
-    pub gains_reduced: ScheduleData,
-    /// Design case of the failure-mode study.
-    pub long_period_case: LongPeriodCase,
-    /// Statistics of the wind ensemble.
-    pub windstat: WindStatistics,
-    /// Values derived from the sections above, kept for checking.
-    #[serde(default)]
-    pub derived: Option<Derived>,
-    /// Free remarks.
-    #[serde(default)]
-    pub notes: BTreeMap<String, String>,
+table! { "The whole file." VehicleData
+    sources: BTreeMap<String, String> = texts("sources"), "Short names of the sources cited in the comments.";
+    site: Site = table("site", Site::read), "Launch site and Earth.";
+    geometry: Geometry = table("geometry", Geometry::read), "Lengths and areas.";
+    mass: Mass = table("mass", Mass::read), "Masses and their layout.";
+    thrust: Thrust = table("thrust", Thrust::read), "Vacuum thrust.";
+    aero: Aero = table("aero", Aero::read), "Aerodynamic coefficients.";
+    ftc: Ftc = table("ftc", Ftc::read), "Fin-tip control.";
+    tvc: Tvc = table("tvc", Tvc::read), "Secondary-injection thrust vector control.";
+    gyro: Gyro = table("gyro", Gyro::read), "Rate gyro package.";
+    imu: Imu = table("imu", Imu::read), "Inertial measurement unit.";
+    bending: Bending = table("bending", Bending::read), "First bending mode.";
+    disturbance: Disturbance = table("disturbance", Disturbance::read), "Disturbances.";
+    limits: Limits = table("limits", Limits::read), "Structural limit.";
+    pitch_programme: PitchProgrammeData = table("pitch_programme", PitchProgrammeData::read), "Stored pitch programme.";
+    wind: WindData = table("wind", WindData::read), "Synthetic wind.";
+    gains: DesignedGains = table("gains", DesignedGains::read), "Designed gain schedule.";
+    gains_reduced: ScheduleData = table("gains_reduced", ScheduleData::read), "Schedule with fewer switchings.";
+    long_period_case: LongPeriodCase = table("long_period_case", LongPeriodCase::read), "Design case of the failure-mode study.";
+    windstat: WindStatistics = table("windstat", WindStatistics::read), "Statistics of the wind ensemble.";
+    derived: Option<Derived> = table_or_none("derived", Derived::read), "Values derived from the sections above, kept for checking.";
+    notes: BTreeMap<String, String> = texts("notes"), "Free remarks.";
 }
 
-/// `[site]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Site {
-    /// Latitude, deg.
-    pub lat_deg: f64,
-    /// Launch azimuth, deg.
-    pub azimuth_deg: f64,
-    /// Radius of the spherical Earth, m.
-    #[serde(rename = "earth_radius")]
-    pub earth_radius_m: f64,
-    /// Gravitational parameter, m³/s².
-    #[serde(rename = "mu")]
-    pub mu_m3ps2: f64,
-    /// Altitude of the vehicle at lift-off, m.
-    #[serde(rename = "alt0")]
-    pub launch_altitude_m: f64,
+table! { "`[site]`." Site
+    lat_deg: f64 = number_in("lat_deg", Any), "Latitude, deg.";
+    azimuth_deg: f64 = number_in("azimuth_deg", Any), "Launch azimuth, deg.";
+    earth_radius_m: f64 = number_in("earth_radius", Positive), "Radius of the spherical Earth, m.";
+    mu_m3ps2: f64 = number_in("mu", Positive), "Gravitational parameter, m³/s².";
+    launch_altitude_m: f64 = number_in("alt0", Any), "Altitude of the vehicle at lift-off, m.";
 }
 
-/// `[geometry]`: stations in m forward of the nozzle exit plane.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Geometry {
-    /// Length, m.
-    #[serde(rename = "length")]
-    pub length_m: f64,
-    /// Diameter, m.
-    #[serde(rename = "diameter")]
-    pub diameter_m: f64,
-    /// Reference area, m².
-    #[serde(rename = "S_ref")]
-    pub reference_area_m2: f64,
-    /// Reference length, m.
-    #[serde(rename = "l_ref")]
-    pub reference_length_m: f64,
-    /// Effective thrust application point, m.
-    #[serde(rename = "x_nozzle")]
-    pub nozzle_x_m: f64,
-    /// Injection plane, m.
-    #[serde(rename = "x_sitvc")]
-    pub injection_x_m: f64,
-    /// Centre of pressure of the fixed fins, m.
-    #[serde(rename = "x_fin")]
-    pub fin_x_m: f64,
-    /// Hinge and centre of pressure of the fin tips, m.
-    #[serde(rename = "x_tip")]
-    pub tip_x_m: f64,
-    /// Radius of the tips' centre of pressure from the roll axis, m.
-    #[serde(rename = "y_tip")]
-    pub tip_y_m: f64,
-    /// Radius of the fixed panels' centre of pressure, m.
-    #[serde(rename = "y_fin")]
-    pub fin_y_m: f64,
+table! { "`[geometry]`: stations in m forward of the nozzle exit plane." Geometry
+    length_m: f64 = number_in("length", Positive), "Length, m.";
+    diameter_m: f64 = number_in("diameter", Positive), "Diameter, m.";
+    reference_area_m2: f64 = number_in("S_ref", Positive), "Reference area, m².";
+    reference_length_m: f64 = number_in("l_ref", Positive), "Reference length, m.";
+    nozzle_x_m: f64 = number_in("x_nozzle", Any), "Effective thrust application point, m.";
+    injection_x_m: f64 = number_in("x_sitvc", Any), "Injection plane, m.";
+    fin_x_m: f64 = number_in("x_fin", Any), "Centre of pressure of the fixed fins, m.";
+    tip_x_m: f64 = number_in("x_tip", Any), "Hinge and centre of pressure of the fin tips, m.";
+    tip_y_m: f64 = number_in("y_tip", Positive), "Radius of the tips' centre of pressure from the roll axis, m.";
+    fin_y_m: f64 = number_in("y_fin", Positive), "Radius of the fixed panels' centre of pressure, m.";
+}
+
+table! { "`[mass]`." Mass
+    launch_mass_kg: f64 = number_in("m0", Positive), "Launch mass, kg.";
+    propellant_kg: f64 = number_in("m_prop1", Positive), "First-stage propellant, kg.";
+    stage_gross_kg: Vec<f64> = numbers_in("stage_gross", Positive), "Gross masses of the stages, kg.";
+    burn_time_s: f64 = number_in("burn_time", Positive), "Burning time, s.";
+    components: Vec<Component> = each("components", COMPONENT, component), "Layout of everything but the propellant.";
+    propellant_x_m: f64 = number_in("prop_x", Any), "Centroid of the grain, m.";
+    propellant_length_m: f64 = number_in("prop_len", Positive), "Length of the grain, m.";
+    roll_inertia_time_s: Vec<f64> = increasing("Ixx_t", 2), "Times of the roll inertia, s.";
+    roll_inertia_kgm2: Vec<f64> = along("Ixx_v", &roll_inertia_time_s, Positive), "Roll inertia, kg·m².";
+    exit_radius_m: f64 = number_in("r_exit", NotNegative), "Distance of the nozzle exit from the centre of gravity used in jet damping, m.";
+}
+
+table! { "`[thrust]`." Thrust
+    time_s: Vec<f64> = increasing("t", 2), "Times, s.";
+    vacuum_thrust_n: Vec<f64> = along("F", &time_s, NotNegative), "Vacuum thrust before scaling to the total impulse, N.";
+    specific_impulse_s: f64 = number_in("isp_vac", Positive), "Vacuum specific impulse, s.";
+    exit_area_m2: f64 = number_in("A_exit", NotNegative), "Nozzle exit area, m².";
+}
+
+table! { "`[aero]`: coefficients on the reference area, per radian; shape `[mach]`." Aero
+    mach: Vec<f64> = increasing("mach", 2), "Mach numbers.";
+    axial: Vec<f64> = along("C_A", &mach, NotNegative), "Axial force.";
+    body_slope: Vec<f64> = along("CN_body", &mach, NotNegative), "Normal-force slope of the body.";
+    body_x_m: Vec<f64> = along("x_body", &mach, Any), "Centre of pressure of the body, m.";
+    fin_slope: Vec<f64> = along("CN_fin", &mach, NotNegative), "Normal-force slope of the fixed fins (two panels).";
+    tip_slope: Vec<f64> = along("CN_tip", &mach, NotNegative), "Normal-force slope of one tip on the tip area.";
+    tip_area_m2: f64 = number_in("S_tip", NotNegative), "Area of one tip, m².";
+    fin_cant_deg: f64 = number_in("fin_cant_deg", Any), "Effective cant of the fixed fins, deg.";
+}
+
+table! { "`[ftc]`." Ftc
+    time_constant_s: f64 = number_in("tau", Positive), "Actuator time constant, s.";
+    delta_max_deg: f64 = number_in("delta_max_deg", Positive), "Travel limit, deg.";
+    rate_max_dps: f64 = number_in("rate_max_dps", Positive), "Rate limit, deg/s.";
+    on_time_s: f64 = number_in("t_on", NotNegative), "Time at which the tips take over in pitch and yaw, s.";
+}
+
+table! { "`[tvc]`." Tvc
+    time_constant_s: f64 = number_in("tau", Positive), "Actuator time constant, s.";
+    force_max_n: f64 = number_in("F_max", Positive), "Force limit per axis, N.";
+    side_specific_impulse_s: f64 = number_in("Isp_side", Positive), "Side specific impulse, s.";
+    fluid_kg: f64 = number_in("fluid", NotNegative), "Injectant carried, kg.";
+}
+
+table! { "`[gyro]`." Gyro
+    natural_frequency_radps: f64 = number_in("wn", Positive), "Natural frequency, rad/s.";
+    damping_ratio: f64 = number_in("zeta", NotNegative), "Damping ratio.";
+}
+
+table! { "`[imu]`." Imu
+    sample_period_s: f64 = number_in("T_sample", Positive), "Sample period, s.";
+}
+
+table! { "`[bending]`." Bending
+    time_s: Vec<f64> = increasing("t", 2), "Times, s.";
+    freq_hz: Vec<f64> = along("freq_hz", &time_s, Positive), "Natural frequency, Hz.";
+    generalised_mass_kg: Vec<f64> = along("M_gen", &time_s, Positive), "Generalised mass, kg.";
+    displacement_at_control: f64 = number_in("phi_c", Any), "Mode displacement at the control-force station.";
+    damping_ratio: f64 = number_in("zeta", NotNegative), "Damping ratio.";
+    gyro_slope_pm: f64 = number_in("lam_gyro", Any), "Mode slope at the nominal gyro station, 1/m.";
+    alternative_gyro_x_m: Vec<f64> = increasing("lam_gyro_alt_x", 2), "Candidate gyro stations, m.";
+    alternative_gyro_slope_pm: Vec<f64> = along("lam_gyro_alt", &alternative_gyro_x_m, Any), "Mode slope there, 1/m.";
+    filter_corner_radps: f64 = number_in("filter_w", Positive), "Corner of the FTC channel's bending filter, rad/s.";
+    imu_slope_pm: f64 = number_in("lam_imu", Any), "Mode slope at the IMU, 1/m.";
+}
+
+table! { "`[disturbance]`." Disturbance
+    thrust_misalign_deg: f64 = number_in("thrust_misalign_deg", Any), "3σ thrust misalignment, deg.";
+    cg_offset_m: f64 = number_in("cg_offset", Any), "3σ lateral offset of the centre of gravity, m.";
+    gust_step_mps: f64 = number_in("gust_step_mps", Any), "Step gust of the short-period runs, m/s.";
+}
+
+table! { "`[limits]`." Limits
+    q_alpha_padeg: f64 = number_in("q_alpha_Pa_deg", Positive), "Structural limit on dynamic pressure × angle of attack, Pa·deg.";
+}
+
+table! { "`[pitch_programme]`." PitchProgrammeData
+    node_time_s: Vec<f64> = increasing("t_nodes", 2), "Nodes, s; shape `[n + 1]`.";
+    rate_dps: Vec<f64> = numbers_in("rate_dps", Any), "Nose-down rate between the nodes, deg/s; shape `[n]`.";
+    theta0_deg: f64 = number_in("theta0_deg", Any), "Attitude before the first node, deg.";
+}
+
+table! { "`[wind]`." WindData
+    envelope_altitude_m: Vec<f64> = increasing("env_h", 2), "Altitudes of the envelope, m.";
+    envelope_speed_mps: Vec<f64> = along("env_w", &envelope_altitude_m, NotNegative), "Speeds of the envelope, m/s.";
+    reference_altitude_m: f64 = number_in("h_ref", Any), "Reference altitude of shear and gust, m.";
+    shear_a: f64 = number_in("shear_a", NotNegative), "Coefficient of the 0.7-power shear law, m^0.3/s.";
+    gust_mps: f64 = number_in("gust_mps", NotNegative), "Gust, m/s.";
+    combination_factor: f64 = number_in("combine", NotNegative), "Factor on shear and gust when combined.";
+    gust_length_m: f64 = number_in("gust_len", NotNegative), "Plateau of the gust, m.";
+    cross_fraction: f64 = number_in("cross_frac", Any), "Crosswind as a fraction of the profile.";
+}
+
+table! { "`[gains]`: the designed schedule and what no schedule switches." DesignedGains
+    switch_time_s: Vec<f64> = increasing("t_sw", 1), "Switch times, s.";
+    ftc_gain: Vec<f64> = along("K_F", &switch_time_s, NotNegative), "FTC gain, deg fin per deg error.";
+    ftc_lead_s: Vec<f64> = along("T_F", &switch_time_s, NotNegative), "FTC lead, s.";
+    tvc_gain_npdeg: Vec<f64> = along("K_T", &switch_time_s, NotNegative), "TVC gain, N per deg.";
+    tvc_lead_s: Vec<f64> = along("T_T", &switch_time_s, NotNegative), "TVC lead, s.";
+    dead_zone_deg: Vec<f64> = along("e_dz_deg", &switch_time_s, NotNegative), "TVC dead zone, deg.";
+    roll_gain: f64 = number_in("K_phi", NotNegative), "Roll gain, deg fin per deg roll.";
+    roll_lead_s: f64 = number_in("T_phi", NotNegative), "Roll lead, s.";
+    decoupled_yaw_gain_factor: f64 = number_in("decoupled_yaw_KT", NotNegative), "Factor on the TVC gain in yaw when the allocation is decoupled.";
+    decoupled_yaw_lead_s: f64 = number_in("decoupled_yaw_TT", NotNegative), "TVC lead in yaw when the allocation is decoupled, s.";
+}
+
+table! { "`[gains_reduced]`: piecewise-constant gains; shape `[switch]` throughout." ScheduleData
+    switch_time_s: Vec<f64> = increasing("t_sw", 1), "Switch times, s.";
+    ftc_gain: Vec<f64> = along("K_F", &switch_time_s, NotNegative), "FTC gain, deg fin per deg error.";
+    ftc_lead_s: Vec<f64> = along("T_F", &switch_time_s, NotNegative), "FTC lead, s.";
+    tvc_gain_npdeg: Vec<f64> = along("K_T", &switch_time_s, NotNegative), "TVC gain, N per deg.";
+    tvc_lead_s: Vec<f64> = along("T_T", &switch_time_s, NotNegative), "TVC lead, s.";
+    dead_zone_deg: Vec<f64> = along("e_dz_deg", &switch_time_s, NotNegative), "TVC dead zone, deg.";
+}
+
+table! { "`[long_period_case]`." LongPeriodCase
+    wind_sign: f64 = number_in("wind_sign", Any), "Sign of the wind along the flight direction: −1 headwind, +1 tailwind, 0 calm.";
+    misalign_pitch: f64 = number_in("misalign_pitch", Any), "Pitch misalignment, fraction of 3σ.";
+    misalign_yaw: f64 = number_in("misalign_yaw", Any), "Yaw misalignment, fraction of 3σ.";
+    accept_speed_fraction: f64 = number_in("accept_dV_frac", Positive), "Accepted velocity dispersion, fraction.";
+    accept_dgam_deg: f64 = number_in("accept_dgam_deg", Positive), "Accepted flight-path-angle dispersion, deg.";
+    accept_altitude_fraction: f64 = number_in("accept_dh_frac", Positive), "Accepted altitude dispersion, fraction.";
+    accept_drange_km: f64 = number_in("accept_drange_km", Positive), "Accepted range dispersion, km.";
+}
+
+table! { "`[windstat]`." WindStatistics
+    mean_fraction: f64 = number_in("mean_frac", Any), "Mean wind over the envelope.";
+    sigma_fraction: f64 = number_in("sigma_frac", NotNegative), "Large-scale standard deviation over the envelope.";
+    large_length_m: f64 = number_in("L_large", Positive), "Correlation length of the large scale, m.";
+    small_sigma_mps: f64 = number_in("sigma_small", NotNegative), "Small-scale standard deviation, m/s.";
+    small_length_m: f64 = number_in("L_small", Positive), "Correlation length of the small scale, m.";
+    dryden_length_m: f64 = number_in("dryden_L", Positive), "Dryden scale length, m.";
+    dryden_sigma_mps: f64 = number_in("dryden_sigma", NotNegative), "Dryden standard deviation, m/s.";
+}
+
+table! { "`[derived]`: a published table of what follows from the rest; shape `[t]`." Derived
+    time_s: Vec<f64> = increasing("t", 2), "Times, s.";
+    mass_kg: Vec<f64> = along("mass", &time_s, Positive), "Mass, kg.";
+    cg_x_m: Vec<f64> = along("xcg", &time_s, Any), "Centre of gravity, m.";
+    pitch_inertia_kgm2: Vec<f64> = along("Iyy", &time_s, Positive), "Pitch and yaw inertia, kg·m².";
+    roll_inertia_kgm2: Vec<f64> = along("Ixx", &time_s, Positive), "Roll inertia, kg·m².";
+    vacuum_thrust_n: Vec<f64> = along("F_vac", &time_s, NotNegative), "Scaled vacuum thrust, N.";
+    mass_flow_kgps: Vec<f64> = along("mdot", &time_s, NotNegative), "Mass flow, kg/s.";
 }
 
 /// One rigid component of the layout: `[name, mass kg, x m, rod length m]`.
@@ -129,298 +214,21 @@ pub struct Component(
     pub f64,
 );
 
-/// `[mass]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Mass {
-    /// Launch mass, kg.
-    #[serde(rename = "m0")]
-    pub launch_mass_kg: f64,
-    /// First-stage propellant, kg.
-    #[serde(rename = "m_prop1")]
-    pub propellant_kg: f64,
-    /// Gross masses of the stages, kg.
-    #[serde(rename = "stage_gross")]
-    pub stage_gross_kg: Vec<f64>,
-    /// Burning time, s.
-    #[serde(rename = "burn_time")]
-    pub burn_time_s: f64,
-    /// Layout of everything but the propellant.
-    pub components: Vec<Component>,
-    /// Centroid of the grain, m.
-    #[serde(rename = "prop_x")]
-    pub propellant_x_m: f64,
-    /// Length of the grain, m.
-    #[serde(rename = "prop_len")]
-    pub propellant_length_m: f64,
-    /// Times of the roll inertia, s.
-    #[serde(rename = "Ixx_t")]
-    pub roll_inertia_time_s: Vec<f64>,
-    /// Roll inertia, kg·m².
-    #[serde(rename = "Ixx_v")]
-    pub roll_inertia_kgm2: Vec<f64>,
-    /// Distance of the nozzle exit from the centre of gravity used in jet damping, m.
-    #[serde(rename = "r_exit")]
-    pub exit_radius_m: f64,
-}
+const COMPONENT: &str = "[[\"motor case\", 2140.0, 4.2, 9.5]]";
 
-/// `[thrust]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Thrust {
-    /// Times, s.
-    #[serde(rename = "t")]
-    pub time_s: Vec<f64>,
-    /// Vacuum thrust before scaling to the total impulse, N.
-    #[serde(rename = "F")]
-    pub vacuum_thrust_n: Vec<f64>,
-    /// Vacuum specific impulse, s.
-    #[serde(rename = "isp_vac")]
-    pub specific_impulse_s: f64,
-    /// Nozzle exit area, m².
-    #[serde(rename = "A_exit")]
-    pub exit_area_m2: f64,
-}
-
-/// `[aero]`: coefficients on the reference area, per radian; shape `[mach]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Aero {
-    /// Mach numbers.
-    pub mach: Vec<f64>,
-    /// Axial force.
-    #[serde(rename = "C_A")]
-    pub axial: Vec<f64>,
-    /// Normal-force slope of the body.
-    #[serde(rename = "CN_body")]
-    pub body_slope: Vec<f64>,
-    /// Centre of pressure of the body, m.
-    #[serde(rename = "x_body")]
-    pub body_x_m: Vec<f64>,
-    /// Normal-force slope of the fixed fins (two panels).
-    #[serde(rename = "CN_fin")]
-    pub fin_slope: Vec<f64>,
-    /// Normal-force slope of one tip on the tip area.
-    #[serde(rename = "CN_tip")]
-    pub tip_slope: Vec<f64>,
-    /// Area of one tip, m².
-    #[serde(rename = "S_tip")]
-    pub tip_area_m2: f64,
-    /// Effective cant of the fixed fins, deg.
-    pub fin_cant_deg: f64,
-}
-
-/// `[ftc]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Ftc {
-    /// Actuator time constant, s.
-    #[serde(rename = "tau")]
-    pub time_constant_s: f64,
-    /// Travel limit, deg.
-    pub delta_max_deg: f64,
-    /// Rate limit, deg/s.
-    pub rate_max_dps: f64,
-    /// Time at which the tips take over in pitch and yaw, s.
-    #[serde(rename = "t_on")]
-    pub on_time_s: f64,
-}
-
-/// `[tvc]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tvc {
-    /// Actuator time constant, s.
-    #[serde(rename = "tau")]
-    pub time_constant_s: f64,
-    /// Force limit per axis, N.
-    #[serde(rename = "F_max")]
-    pub force_max_n: f64,
-    /// Side specific impulse, s.
-    #[serde(rename = "Isp_side")]
-    pub side_specific_impulse_s: f64,
-    /// Injectant carried, kg.
-    #[serde(rename = "fluid")]
-    pub fluid_kg: f64,
-}
-
-/// `[gyro]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Gyro {
-    /// Natural frequency, rad/s.
-    #[serde(rename = "wn")]
-    pub natural_frequency_radps: f64,
-    /// Damping ratio.
-    #[serde(rename = "zeta")]
-    pub damping_ratio: f64,
-}
-
-/// `[imu]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Imu {
-    /// Sample period, s.
-    #[serde(rename = "T_sample")]
-    pub sample_period_s: f64,
-}
-
-/// `[bending]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Bending {
-    /// Times, s.
-    #[serde(rename = "t")]
-    pub time_s: Vec<f64>,
-    /// Natural frequency, Hz.
-    pub freq_hz: Vec<f64>,
-    /// Generalised mass, kg.
-    #[serde(rename = "M_gen")]
-    pub generalised_mass_kg: Vec<f64>,
-    /// Mode displacement at the control-force station.
-    #[serde(rename = "phi_c")]
-    pub displacement_at_control: f64,
-    /// Damping ratio.
-    #[serde(rename = "zeta")]
-    pub damping_ratio: f64,
-    /// Mode slope at the nominal gyro station, 1/m.
-    #[serde(rename = "lam_gyro")]
-    pub gyro_slope_pm: f64,
-    /// Candidate gyro stations, m.
-    #[serde(rename = "lam_gyro_alt_x")]
-    pub alternative_gyro_x_m: Vec<f64>,
-    /// Mode slope there, 1/m.
-    #[serde(rename = "lam_gyro_alt")]
-    pub alternative_gyro_slope_pm: Vec<f64>,
-    /// Corner of the FTC channel's bending filter, rad/s.
-    #[serde(rename = "filter_w")]
-    pub filter_corner_radps: f64,
-    /// Mode slope at the IMU, 1/m.
-    #[serde(rename = "lam_imu")]
-    pub imu_slope_pm: f64,
-}
-
-/// `[disturbance]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Disturbance {
-    /// 3σ thrust misalignment, deg.
-    pub thrust_misalign_deg: f64,
-    /// 3σ lateral offset of the centre of gravity, m.
-    #[serde(rename = "cg_offset")]
-    pub cg_offset_m: f64,
-    /// Step gust of the short-period runs, m/s.
-    pub gust_step_mps: f64,
-}
-
-/// `[limits]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Structural limit on dynamic pressure × angle of attack, Pa·deg.
-    #[serde(rename = "q_alpha_Pa_deg")]
-    pub q_alpha_padeg: f64,
-}
-
-/// `[pitch_programme]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PitchProgrammeData {
-    /// Nodes, s; shape `[n + 1]`.
-    #[serde(rename = "t_nodes")]
-    pub node_time_s: Vec<f64>,
-    /// Nose-down rate between the nodes, deg/s; shape `[n]`.
-    pub rate_dps: Vec<f64>,
-    /// Attitude before the first node, deg.
-    pub theta0_deg: f64,
-}
-
-/// `[wind]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WindData {
-    /// Altitudes of the envelope, m.
-    #[serde(rename = "env_h")]
-    pub envelope_altitude_m: Vec<f64>,
-    /// Speeds of the envelope, m/s.
-    #[serde(rename = "env_w")]
-    pub envelope_speed_mps: Vec<f64>,
-    /// Reference altitude of shear and gust, m.
-    #[serde(rename = "h_ref")]
-    pub reference_altitude_m: f64,
-    /// Coefficient of the 0.7-power shear law, m^0.3/s.
-    pub shear_a: f64,
-    /// Gust, m/s.
-    pub gust_mps: f64,
-    /// Factor on shear and gust when combined.
-    #[serde(rename = "combine")]
-    pub combination_factor: f64,
-    /// Plateau of the gust, m.
-    #[serde(rename = "gust_len")]
-    pub gust_length_m: f64,
-    /// Crosswind as a fraction of the profile.
-    #[serde(rename = "cross_frac")]
-    pub cross_fraction: f64,
-}
-
-/// `[gains]`: the designed schedule and what no schedule switches.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DesignedGains {
-    /// Switch times, s.
-    #[serde(rename = "t_sw")]
-    pub switch_time_s: Vec<f64>,
-    /// FTC gain, deg fin per deg error.
-    #[serde(rename = "K_F")]
-    pub ftc_gain: Vec<f64>,
-    /// FTC lead, s.
-    #[serde(rename = "T_F")]
-    pub ftc_lead_s: Vec<f64>,
-    /// TVC gain, N per deg.
-    #[serde(rename = "K_T")]
-    pub tvc_gain_npdeg: Vec<f64>,
-    /// TVC lead, s.
-    #[serde(rename = "T_T")]
-    pub tvc_lead_s: Vec<f64>,
-    /// TVC dead zone, deg.
-    #[serde(rename = "e_dz_deg")]
-    pub dead_zone_deg: Vec<f64>,
-    /// Roll gain, deg fin per deg roll.
-    #[serde(rename = "K_phi")]
-    pub roll_gain: f64,
-    /// Roll lead, s.
-    #[serde(rename = "T_phi")]
-    pub roll_lead_s: f64,
-    /// Factor on the TVC gain in yaw when the allocation is decoupled.
-    #[serde(rename = "decoupled_yaw_KT")]
-    pub decoupled_yaw_gain_factor: f64,
-    /// TVC lead in yaw when the allocation is decoupled, s.
-    #[serde(rename = "decoupled_yaw_TT")]
-    pub decoupled_yaw_lead_s: f64,
-}
-
-/// `[gains_reduced]`: piecewise-constant gains; shape `[switch]` throughout.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ScheduleData {
-    /// Switch times, s.
-    #[serde(rename = "t_sw")]
-    pub switch_time_s: Vec<f64>,
-    /// FTC gain, deg fin per deg error.
-    #[serde(rename = "K_F")]
-    pub ftc_gain: Vec<f64>,
-    /// FTC lead, s.
-    #[serde(rename = "T_F")]
-    pub ftc_lead_s: Vec<f64>,
-    /// TVC gain, N per deg.
-    #[serde(rename = "K_T")]
-    pub tvc_gain_npdeg: Vec<f64>,
-    /// TVC lead, s.
-    #[serde(rename = "T_T")]
-    pub tvc_lead_s: Vec<f64>,
-    /// TVC dead zone, deg.
-    #[serde(rename = "e_dz_deg")]
-    pub dead_zone_deg: Vec<f64>,
+fn component(f: &mut SheetFields<'_, '_>, key: &str, value: &Value) -> Option<Component> {
+    if let Data::List(items) = &value.data
+        && let [name, mass, x, length] = &items[..]
+        && let Some(name) = name.text()
+    {
+        let mass = f.number_at(key, mass, Positive);
+        let (x, length) = (f.number_at(key, x, Any), f.number_at(key, length, NotNegative));
+        return Some(Component(name.to_owned(), mass?, x?, length?));
+    }
+    let remedy =
+        "write name, mass (kg), station (m) and length (m): [\"motor case\", 2140.0, 4.2, 9.5]";
+    f.fault(value.span, "this is no component", remedy);
+    None
 }
 
 impl DesignedGains {
@@ -437,78 +245,34 @@ impl DesignedGains {
     }
 }
 
-/// `[long_period_case]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LongPeriodCase {
-    /// Sign of the wind along the flight direction: −1 headwind, +1 tailwind, 0 calm.
-    pub wind_sign: f64,
-    /// Pitch misalignment, fraction of 3σ.
-    pub misalign_pitch: f64,
-    /// Yaw misalignment, fraction of 3σ.
-    pub misalign_yaw: f64,
-    /// Accepted velocity dispersion, fraction.
-    #[serde(rename = "accept_dV_frac")]
-    pub accept_speed_fraction: f64,
-    /// Accepted flight-path-angle dispersion, deg.
-    pub accept_dgam_deg: f64,
-    /// Accepted altitude dispersion, fraction.
-    #[serde(rename = "accept_dh_frac")]
-    pub accept_altitude_fraction: f64,
-    /// Accepted range dispersion, km.
-    pub accept_drange_km: f64,
-}
+/// What fields must fulfil together.
+pub(crate) fn relations(f: &mut SheetFields<'_, '_>, d: &VehicleData) {
+    let push = d.thrust.vacuum_thrust_n.iter().any(|&thrust| thrust > 0.0);
+    f.require(push, "thrust.F", "the thrust is zero throughout", "give a motor with an impulse");
 
-/// `[windstat]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WindStatistics {
-    /// Mean wind over the envelope.
-    #[serde(rename = "mean_frac")]
-    pub mean_fraction: f64,
-    /// Large-scale standard deviation over the envelope.
-    #[serde(rename = "sigma_frac")]
-    pub sigma_fraction: f64,
-    /// Correlation length of the large scale, m.
-    #[serde(rename = "L_large")]
-    pub large_length_m: f64,
-    /// Small-scale standard deviation, m/s.
-    #[serde(rename = "sigma_small")]
-    pub small_sigma_mps: f64,
-    /// Correlation length of the small scale, m.
-    #[serde(rename = "L_small")]
-    pub small_length_m: f64,
-    /// Dryden scale length, m.
-    #[serde(rename = "dryden_L")]
-    pub dryden_length_m: f64,
-    /// Dryden standard deviation, m/s.
-    #[serde(rename = "dryden_sigma")]
-    pub dryden_sigma_mps: f64,
-}
+    let (times, burn_s) = (&d.thrust.time_s, d.mass.burn_time_s);
+    let (first, last) = (times[0], times[times.len() - 1]);
+    let fault = format!("`thrust.t` covers {first} s to {last} s only");
+    let remedy = format!("cover lift-off (0 s) to mass.burn_time ({burn_s} s)");
+    f.require(first <= 0.0 && last >= burn_s, "thrust.t", fault, remedy);
 
-/// `[derived]`: a published table of what follows from the rest; shape `[t]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Derived {
-    /// Times, s.
-    #[serde(rename = "t")]
-    pub time_s: Vec<f64>,
-    /// Mass, kg.
-    #[serde(rename = "mass")]
-    pub mass_kg: Vec<f64>,
-    /// Centre of gravity, m.
-    #[serde(rename = "xcg")]
-    pub cg_x_m: Vec<f64>,
-    /// Pitch and yaw inertia, kg·m².
-    #[serde(rename = "Iyy")]
-    pub pitch_inertia_kgm2: Vec<f64>,
-    /// Roll inertia, kg·m².
-    #[serde(rename = "Ixx")]
-    pub roll_inertia_kgm2: Vec<f64>,
-    /// Scaled vacuum thrust, N.
-    #[serde(rename = "F_vac")]
-    pub vacuum_thrust_n: Vec<f64>,
-    /// Mass flow, kg/s.
-    #[serde(rename = "mdot")]
-    pub mass_flow_kgps: Vec<f64>,
+    let (nodes, rates) = (d.pitch_programme.node_time_s.len(), d.pitch_programme.rate_dps.len());
+    let fault = format!("`pitch_programme` has {nodes} nodes and {rates} rates");
+    let remedy = "give one rate for each interval between nodes";
+    f.require(nodes == rates + 1, "pitch_programme.rate_dps", fault, remedy);
+
+    for (key, first) in [
+        ("gains.t_sw", d.gains.switch_time_s[0]),
+        ("gains_reduced.t_sw", d.gains_reduced.switch_time_s[0]),
+    ] {
+        let fault = format!("`{key}` starts at {first} s");
+        f.require(first == 0.0, key, fault, "the first switch time must be 0");
+    }
+
+    let launch_kg = d.mass.launch_mass_kg;
+    let total_kg = d.mass.propellant_kg + d.mass.components.iter().map(|c| c.1).sum::<f64>();
+    let fault =
+        format!("components and propellant add up to {total_kg} kg, `m0` is {launch_kg} kg");
+    let agree = (total_kg - launch_kg).abs() <= 1.0;
+    f.require(agree, "mass.components", fault, "make them agree to 1 kg");
 }

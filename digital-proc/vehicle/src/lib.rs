@@ -10,7 +10,6 @@
 mod aero;
 pub mod airframe;
 pub mod atmosphere;
-mod check;
 mod data;
 pub mod failure_file;
 pub mod flight_mode;
@@ -18,7 +17,6 @@ pub mod flight_summary;
 pub mod gain_schedule;
 mod mass;
 pub mod pitch_programme;
-mod places;
 pub mod reference;
 pub mod rk4;
 pub mod slice;
@@ -44,12 +42,13 @@ use crate::gain_schedule::GainSchedule;
 use crate::pitch_programme::PitchProgramme;
 use crate::table::{Edge, Table, TableError};
 use crate::table_edges::{EdgeRecord, TableName};
-use desk::faults::{self, FileFault, FileFaults, Source};
+use desk::faults::{FileFaults, Source};
+use desk::reader::{self, FileKind};
 
 /// Text of the shipped data set.
 pub const SHIPPED_TEXT: &str = include_str!("../../data/vehicle.toml");
 /// Name under which faults of the shipped set would be reported.
-pub const SHIPPED_NAME: &str = "digital-proc/data/vehicle.toml";
+pub const SHIPPED_NAME: &str = "the shipped vehicle";
 
 /// A validated vehicle.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,31 +92,32 @@ impl Vehicle {
 
     /// Reads a user's file.
     pub fn load(path: &Path) -> Result<Self, FileFaults> {
-        faults::load(path, Self::from_toml)
+        reader::load(path, Self::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
     pub fn from_toml(file: &str, text: &str) -> Result<Self, FileFaults> {
-        let data = Source { file, text }.parse()?;
-        Self::checked(file, Some(text), data)
+        let source = Source { file, text };
+        let data = reader::read(FileKind::Vehicle, source, |f| {
+            let data = VehicleData::read(f)?;
+            data::relations(f, &data);
+            Some(data)
+        })?;
+        // The reader has seen to every table; this tells of what it might miss.
+        Self::compile(data)
+            .map_err(|error| source.whole(error.to_string(), "correct the table").into())
     }
 
-    /// Builds from data in memory; faults then carry keys but no lines.
+    /// Builds from data in memory, which are written and read: there is one judge of both. Faults
+    /// then carry keys but no lines.
     pub fn from_data(data: VehicleData) -> Result<Self, FileFaults> {
-        Self::checked("vehicle data", None, data)
-    }
-
-    fn checked(file: &str, text: Option<&str>, data: VehicleData) -> Result<Self, FileFaults> {
-        FileFaults::unless(check::faults(file, text, &data), ())?;
-        Self::compile(data).map_err(|error| {
-            // The check covers every table; this reports one it might miss.
-            let fault = FileFault {
-                file: file.to_owned(),
-                place: None,
-                fault: error.to_string(),
-                remedy: "correct the table".to_owned(),
-            };
-            fault.into()
+        let file = "vehicle data";
+        let text = toml::to_string(&data).map_err(|error| {
+            Source { file, text: "" }.whole(error.to_string(), "give numbers that TOML can hold")
+        })?;
+        Self::from_toml(file, &text).map_err(|mut faults| {
+            faults.0.iter_mut().for_each(|fault| fault.place = None);
+            faults
         })
     }
 

@@ -4,11 +4,16 @@
 //! them and tells every fault with its line. Paths are those of the bundle: relative to the
 //! root's folder, so that a bundle is the same wherever it lies.
 
-use interface::{control::PatchBundle, user_file};
-use std::path::{Path, PathBuf};
+use crate::user_file;
+use interface::control::PatchBundle;
+use std::{
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
+use toml::de::DeTable;
 
-/// Files beyond this are not followed: a patch that uses itself would have no end.
-const MOST_FILES: usize = 256;
+/// Most files of one patch; those beyond it are not followed.
+pub const MOST_FILES: usize = 1000;
 
 /// A patch that cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -25,7 +30,7 @@ pub struct PatchUnreadable {
 /// analog side names the line that asks for it.
 ///
 /// # Errors
-/// When the root itself cannot be read.
+/// When the root itself cannot be read, or a file is no text.
 pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchUnreadable> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let root = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -38,34 +43,37 @@ pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchUnreadable> {
         next += 1;
         for name in used(text).iter().filter_map(|w| join(user, w)).collect::<Vec<_>>() {
             let known = files.iter().any(|(n, _)| *n == name);
-            if !known
-                && files.len() < MOST_FILES
-                && let Ok(text) = user_file::read_text(&folder.join(&name))
-            {
-                files.push((name, text));
+            let path = folder.join(&name);
+            if known || files.len() >= MOST_FILES {
+                continue;
+            }
+            match user_file::read_text(&path) {
+                Ok(text) => files.push((name, text)),
+                Err(cause) if cause.kind() == ErrorKind::InvalidData => {
+                    return Err(PatchUnreadable { path, cause });
+                }
+                Err(_) => {}
             }
         }
     }
     Ok(PatchBundle { root, files })
 }
 
-/// Files named under `[use]`; none when the text is no TOML.
+/// Files named under `[use]`, as far as the text can be read.
 fn used(text: &str) -> Vec<String> {
-    let Ok(table) = text.parse::<toml::Table>() else {
-        return Vec::new();
-    };
-    table
-        .get("use")
-        .and_then(|u| u.as_table())
+    let (document, _) = DeTable::parse_recoverable(text);
+    let uses = document.get_ref().get("use");
+    uses.and_then(|uses| uses.get_ref().as_table())
         .into_iter()
-        .flat_map(|u| u.values())
-        .filter_map(|entry| entry.get("patch")?.as_str().map(str::to_owned))
+        .flat_map(|table| table.values())
+        .filter_map(|instance| instance.get_ref().get("patch"))
+        .filter_map(|path| path.get_ref().as_str().map(str::to_owned))
         .collect()
 }
 
 /// `written`, as named in the file `user`, relative to the root's folder; none for absolute paths.
-fn join(user: &str, written: &str) -> Option<String> {
-    if written.starts_with('/') {
+pub fn join(user: &str, written: &str) -> Option<String> {
+    if written.is_empty() || written.starts_with('/') || written.contains('\0') {
         return None;
     }
     let mut parts: Vec<&str> = user.split('/').collect();
@@ -99,6 +107,14 @@ mod tests {
         );
         assert!(names("long-period.toml").contains(&"fin-tip.toml".to_owned()));
         assert!(bundle_from_path(&shipped.join("none.toml")).is_err());
-        assert_eq!(join("a.toml", "/etc/passwd"), None);
+        for (user, written, path) in [
+            ("root.toml", "a.toml", Some("a.toml")),
+            ("parts/a.toml", "b.toml", Some("parts/b.toml")),
+            ("parts/a.toml", "../b.toml", Some("b.toml")),
+            ("a.toml", "../x/./b.toml", Some("../x/b.toml")),
+            ("a.toml", "/etc/passwd", None),
+        ] {
+            assert_eq!(join(user, written).as_deref(), path);
+        }
     }
 }

@@ -1,10 +1,12 @@
 //! Faults of a user's file, with the place and the remedy.
 //!
-//! All faults that can be told apart are reported together, each with its line;
-//! what the TOML reader itself refuses ends the reading and comes alone.
+//! All that can be told apart are reported together; what is no TOML ends the reading.
 
-use interface::user_file;
-use std::{fmt, ops::Range, path::Path};
+use crate::reader::Span;
+use std::fmt;
+
+/// More faults than anyone reads at once; the rest are counted.
+pub const MOST_FAULTS: usize = 200;
 
 /// One fault of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,9 +44,6 @@ impl From<FileFault> for FileFaults {
 
 impl FileFaults {
     /// `value`, unless there are faults.
-    ///
-    /// # Errors
-    /// The faults, in the order of the file.
     pub fn unless<T>(mut faults: Vec<FileFault>, value: T) -> Result<T, FileFaults> {
         if faults.is_empty() {
             return Ok(value);
@@ -52,24 +51,6 @@ impl FileFaults {
         faults.sort_by_key(|fault| fault.place);
         Err(FileFaults(faults))
     }
-}
-
-/// Reads a file and hands its name and text to `parse`.
-///
-/// # Errors
-/// A file that cannot be read, and what `parse` finds.
-pub fn load<T>(
-    path: &Path,
-    parse: impl FnOnce(&str, &str) -> Result<T, FileFaults>,
-) -> Result<T, FileFaults> {
-    let file = path.display().to_string();
-    let text = user_file::read_text(path).map_err(|error| FileFault {
-        file: file.clone(),
-        place: None,
-        fault: format!("cannot be read: {error}"),
-        remedy: "name a TOML file, and check its permissions".to_owned(),
-    })?;
-    parse(&file, &text)
 }
 
 /// A file being checked: its name and text, to turn byte offsets into lines.
@@ -82,50 +63,30 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Reads the text as TOML.
-    ///
-    /// # Errors
-    /// What the reader refuses, with its place.
+    /// Reads a text that the program wrote, as TOML.
     pub fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileFaults> {
-        toml::from_str(self.text).map_err(|error| self.reader_fault(&error).into())
+        toml::from_str(self.text).map_err(|error| {
+            let place = error.span().map(|span| self.line_and_column(span.start));
+            let fault = error.message().trim().replace('\n', " ");
+            FileFault { place, ..self.whole(fault, "correct it here") }.into()
+        })
     }
 
-    /// A fault at a byte range of the text.
+    /// A fault at a place in the text.
     pub fn fault(
         &self,
-        span: Range<usize>,
+        at: Span,
         fault: impl Into<String>,
         remedy: impl Into<String>,
     ) -> FileFault {
-        FileFault {
-            file: self.file.to_owned(),
-            place: Some(self.line_and_column(span.start)),
-            fault: fault.into(),
-            remedy: remedy.into(),
-        }
+        let place = Some(self.line_and_column(at.start as usize));
+        FileFault { place, ..self.whole(fault, remedy) }
     }
 
-    /// What the TOML reader refused.
-    pub fn reader_fault(&self, error: &toml::de::Error) -> FileFault {
-        let message = error.message().trim().replace('\n', " ");
-        let mut quoted = message.split('`').skip(1).step_by(2);
-        let remedy =
-            if message.starts_with("unknown field") || message.starts_with("unknown variant") {
-                let unknown = quoted.next().unwrap_or_default();
-                suggestion(unknown, quoted)
-            } else if message.starts_with("missing field") {
-                "add the key".to_owned()
-            } else if message.starts_with("invalid type") {
-                "give a value of the expected type".to_owned()
-            } else {
-                "correct it here".to_owned()
-            };
-        FileFault {
-            file: self.file.to_owned(),
-            place: error.span().map(|span| self.line_and_column(span.start)),
-            fault: message,
-            remedy,
-        }
+    /// A fault of the file as a whole.
+    pub fn whole(&self, fault: impl Into<String>, remedy: impl Into<String>) -> FileFault {
+        let file = self.file.to_owned();
+        FileFault { file, place: None, fault: fault.into(), remedy: remedy.into() }
     }
 
     /// Line and column, counted from 1 in characters, of a byte.
@@ -136,18 +97,50 @@ impl Source<'_> {
     }
 }
 
-/// "did you mean `x`?" with the nearest of the known names, or all of them if none is near.
-pub fn suggestion<'a>(unknown: &str, known: impl Iterator<Item = &'a str>) -> String {
-    // Below this similarity a suggestion misleads more often than it helps.
-    const SIMILAR: f64 = 0.7;
-    let known: Vec<&str> = known.collect();
-    let nearest = known
+/// "did you mean `x`?" with the nearest of the known names, or the first of them if none is near.
+pub fn suggestion<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    const LISTED: usize = 40;
+    let mut known: Vec<&str> = known.into_iter().collect();
+    match nearest(unknown, &known) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if known.is_empty() => "there is none to name".to_owned(),
+        None => {
+            let more = if known.len() > LISTED { ", …" } else { "" };
+            known.truncate(LISTED);
+            format!("known are {}{more}", known.join(", "))
+        }
+    }
+}
+
+/// The name that was meant: the one that differs in its capitals alone, or else the one with the
+/// fewest letters wrong, no more than a third of them.
+pub(crate) fn nearest<'a>(unknown: &str, known: &[&'a str]) -> Option<&'a str> {
+    let length = unknown.chars().count();
+    let most = (length / 3).clamp(1, 4).min(length.saturating_sub(1));
+    let small = unknown.to_lowercase();
+    known
         .iter()
-        .map(|name| (strsim::jaro_winkler(unknown, name), *name))
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    match nearest {
-        Some((similarity, name)) if similarity > SIMILAR => format!("did you mean `{name}`?"),
-        Some(_) => format!("known are {}", known.join(", ")),
-        None => "there is none to name".to_owned(),
+        .filter(|name| name.len().abs_diff(unknown.len()) <= 4 && name.len() < 200)
+        .map(|name| (strsim::damerau_levenshtein(&small, &name.to_lowercase()), *name))
+        .filter(|(distance, _)| *distance <= most)
+        .min()
+        .map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_the_one_that_was_meant() {
+        for (unknown, known, said) in [
+            ("velocty", vec!["x", "velocity"], "did you mean `velocity`?"),
+            ("Y", vec!["x", "y"], "did you mean `y`?"),
+            ("q", vec!["x", "y"], "known are x, y"),
+            ("max-Q", vec!["max-p", "max-q"], "did you mean `max-q`?"),
+            ("a", vec![], "there is none to name"),
+        ] {
+            assert_eq!(suggestion(unknown, known), said);
+        }
     }
 }

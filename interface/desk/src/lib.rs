@@ -8,11 +8,14 @@ pub mod failure;
 pub mod faults;
 #[cfg(feature = "runs")]
 pub mod outcome;
+pub mod profile;
 #[cfg(feature = "runs")]
 pub mod progress;
+pub mod reader;
 #[cfg(feature = "runs")]
 pub mod report;
 #[cfg(feature = "runs")]
 pub mod run_dir;
 #[cfg(feature = "runs")]
 pub mod shell;
+pub mod user_file;

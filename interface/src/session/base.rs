@@ -6,7 +6,7 @@
 //! with its holder: a process killed in here blocks nobody.
 
 use super::{
-    SessionError,
+    error::{BASE_VARIABLE, FORBIDDEN, SessionError},
     remains::{PREFIX_LENGTH, SHARED_MEMORY},
 };
 use rustix::{
@@ -24,9 +24,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Environment variable that overrides the base directory.
-pub const BASE_VARIABLE: &str = "HYBRID_BASE";
-
 /// The base is held for milliseconds at a time; even fifty processes in a row need less.
 const LOCK_DEADLINE: Duration = Duration::from_secs(10);
 
@@ -36,8 +33,6 @@ const PATH_LIMIT: usize = 255;
 /// connection (as if it lay in the session's directory): `.session/`, prefix, a hash of 40
 /// digits, `_`, a port of up to 39 digits, `_`, another, `.connection`.
 const BEHIND_NAME: usize = 9 + PREFIX_LENGTH + 40 + 1 + 39 + 1 + 39 + 11;
-/// Characters that the transport refuses in a path, besides control characters.
-pub(super) const FORBIDDEN: &str = "< > \" | ? *";
 /// Free space that a session asks for, in KiB: twice what one takes at most (936 KiB of
 /// shared memory while a patch of 3 MB is loaded; a flight takes 172).
 pub(super) const ROOM_KIB: u64 = 2048;

@@ -1,8 +1,8 @@
 //! One side's place in a session: a lock file that is held as long as the side lives.
 
 use super::{
-    SessionError,
     base::BaseLock,
+    error::SessionError,
     partner::is_held,
     remains::{lock_path, remove_session, root_of},
 };

@@ -6,7 +6,7 @@
 //! before there is any such file, and the directory goes after the last of them,
 //! so that whatever a killed process left can be found from the directory.
 
-use super::{SessionInfo, check_name, partner::is_held};
+use super::{error::check_name, partner::is_held};
 use crate::Side;
 use std::{
     collections::hash_map::RandomState,
@@ -16,6 +16,17 @@ use std::{
     os::unix::{ffi::OsStrExt, fs::OpenOptionsExt},
     path::{Path, PathBuf},
 };
+
+/// A running session, as `Session::list` finds it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionInfo {
+    /// Its name.
+    pub name: String,
+    /// Pid of its analog side, if present.
+    pub analog: Option<u32>,
+    /// Pid of its digital side, if present.
+    pub digital: Option<u32>,
+}
 
 /// Marks our directories, so that a sweep touches nothing else.
 const SUFFIX: &str = ".session";

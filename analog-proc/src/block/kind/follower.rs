@@ -2,7 +2,7 @@
 //! would patch it.
 
 use super::*;
-use crate::block::scaled;
+use crate::block::lowering::scaled;
 use engine::element::curve::{Piece, pieces_of_dead_zone, pieces_of_limiter};
 
 kind! {

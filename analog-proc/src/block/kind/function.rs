@@ -79,7 +79,7 @@ fn digital_function(f: &mut Fields<'_, '_>) -> Option<DigitalFunction> {
     let needed = x.as_ref().map_or(1, Vec::len);
     let first_channel = f.channel("first-channel", ChannelKind::Dcu, needed);
     let has_initial = f.place("initial").is_some();
-    let initial = f.numbers_or_none("initial");
+    let initial = f.maybe("initial", |f| f.numbers("initial"));
     if has_initial && initial.is_none() {
         return None;
     }

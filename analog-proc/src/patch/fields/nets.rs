@@ -4,8 +4,8 @@ use super::Fields;
 use crate::block::kind::{Inverter, Summer};
 use crate::net::{Input, Kind, Level, Span};
 use crate::patch::diagnostic::PatchFault;
-use crate::patch::number::{not_finite, wrong_type};
-use crate::patch::value::{Data, Value};
+use crate::patch::number::not_finite;
+use desk::reader::{Board, Data, Value};
 use engine::id::NetId;
 
 impl Fields<'_, '_> {
@@ -14,11 +14,11 @@ impl Fields<'_, '_> {
         let Some(entry) = self.entry(key) else {
             return Some(None);
         };
-        let input = self.resolver.input(self.scope, key, &entry.value)?;
+        let input = self.board.own_input(key, &entry.value)?;
         if input.coefficient == 1.0 {
             return Some(Some(input.net));
         }
-        let net = self.resolver.faults.sources.text(input.span).to_owned();
+        let net = self.board.faults.sources.text(input.span).to_owned();
         self.fault_at(key, |src, at| PatchFault::LogicCoefficient {
             src,
             at,
@@ -30,11 +30,7 @@ impl Fields<'_, '_> {
 
     /// A net for logic control that must be there.
     pub(crate) fn net(&mut self, key: &'static str) -> Option<NetId> {
-        if self.place(key).is_none() {
-            self.asked.push(key);
-            self.missing(key, "\"NET\"");
-            return None;
-        }
+        self.required(key, "\"NET\"")?;
         self.net_or_none(key)?
     }
 
@@ -43,7 +39,7 @@ impl Fields<'_, '_> {
         let Some(entry) = self.entry(key) else {
             return Some(None);
         };
-        self.resolver.input(self.scope, key, &entry.value).map(Some)
+        self.board.own_input(key, &entry.value).map(Some)
     }
 
     /// A number or a net. A weighted net becomes a hidden gain block `NAME.part`.
@@ -52,23 +48,23 @@ impl Fields<'_, '_> {
             let last = text.rsplit('*').next().unwrap_or("");
             let last = last.trim().trim_start_matches('-').trim();
             let is_word = last.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-            if is_word && !self.resolver.params(self.scope).contains_key(last) {
-                let input = self.resolver.input(self.scope, key, value)?;
+            if is_word && !self.board.params().contains_key(last) {
+                let input = self.board.own_input(key, value)?;
                 return Some(Level::Net(self.weighted(input, part)));
             }
         }
-        let number = self.resolver.number(self.scope, key, value)?;
+        let number = self.board.number(key, value)?;
         if number.is_finite() {
             return Some(Level::Fixed(number));
         }
-        not_finite(key, value.span, self.resolver.faults);
+        not_finite(key, value.span, self.board.faults);
         None
     }
 
     /// A pair `[low, high]`, each a number or a net.
     pub(crate) fn levels(&mut self, key: &'static str, value: &Value) -> Option<[Level; 2]> {
         let Data::List(items) = &value.data else {
-            wrong_type(key, "a list [low, high]", value, self.resolver.faults);
+            self.board.wrong_type(key, "a list [low, high]", value);
             return None;
         };
         let [low, high] = &items[..] else {
@@ -85,14 +81,20 @@ impl Fields<'_, '_> {
         if input.coefficient == 1.0 {
             return input.net;
         }
-        let name = format!("{}.{part}", self.owner);
-        self.resolver.hide(name, self.at, Kind::Summer(Summer), input)
+        let name = format!("{}.{part}", self.block);
+        {
+            let at = self.at;
+            self.board.hide(name, at, Kind::Summer(Summer), input)
+        }
     }
 
     /// Makes a hidden inverter of a net.
     pub(crate) fn inverted(&mut self, net: NetId, part: &str, span: Span) -> NetId {
-        let name = format!("{}.{part}", self.owner);
+        let name = format!("{}.{part}", self.block);
         let input = Input { net, coefficient: 1.0, span };
-        self.resolver.hide(name, self.at, Kind::Inverter(Inverter), input)
+        {
+            let at = self.at;
+            self.board.hide(name, at, Kind::Inverter(Inverter), input)
+        }
     }
 }

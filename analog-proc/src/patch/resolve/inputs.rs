@@ -9,11 +9,11 @@ use crate::block::kind::Inputs;
 use crate::net::{Input, Span};
 use crate::patch::coefficient::{FactorValue, parse};
 use crate::patch::diagnostic::PatchFault;
-use crate::patch::faults::suggestion;
 use crate::patch::fields::Fields;
 use crate::patch::number::{self, bad_coefficient, evaluate, part_of};
 use crate::patch::scope::Scope;
-use crate::patch::value::{Data, Value};
+use desk::faults::suggestion;
+use desk::reader::{Board, Data, Value};
 
 /// In a patch of more nets than this …
 const MOST_SEARCHED: usize = 2000;
@@ -21,15 +21,15 @@ const MOST_SEARCHED: usize = 2000;
 const FIRST_FAULTS: usize = 10;
 
 impl Resolver<'_> {
+    /// A weighted input in the scope being read.
+    pub(crate) fn own_input(&mut self, field: &str, value: &Value) -> Option<Input> {
+        self.input(self.scope, field, value)
+    }
+
     /// A weighted input in a scope.
     pub(crate) fn input(&mut self, scope: usize, field: &str, value: &Value) -> Option<Input> {
         let Data::Text(text) = &value.data else {
-            number::wrong_type(
-                field,
-                "the name of a net in quotes, such as \"-2 * x\"",
-                value,
-                self.faults,
-            );
+            self.faults.wrong_type(field, "the name of a net in quotes, such as \"-2 * x\"", value);
             return None;
         };
         let place = part_of(self.faults, value.span, text);
@@ -104,7 +104,7 @@ impl Resolver<'_> {
         let ports = self.bound.get(scope).into_iter().flat_map(|p| p.keys());
         let mut near: Vec<&str> = ports.map(String::as_str).collect();
         near.extend(self.nets.iter().filter_map(|net| net.name.strip_prefix(prefix.as_str())));
-        let help = suggestion(name, "nets", near);
+        let help = suggestion(name, near);
         self.faults.push(at, |src, at| PatchFault::UnknownNet {
             src,
             at,
@@ -117,7 +117,7 @@ impl Resolver<'_> {
 
 /// The inputs of a block from its field `in`, as many as its kind takes.
 pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Inputs, kind: &str) -> Vec<Input> {
-    let owner = format!("{} `{}`", article(kind), fields.owner);
+    let owner = format!("{} `{}`", article(kind), fields.block);
     let at = fields.at;
     let Some(entry) = fields.entry("in") else {
         if arity.least > 0 {
@@ -130,11 +130,10 @@ pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Inputs, kind: &str) 
         // A single input may stand without brackets.
         Data::Text(_) => vec![&entry.value],
         _ => {
-            number::wrong_type(
+            fields.board.wrong_type(
                 "in",
                 "a list of nets such as [\"x\", \"-2 * y\"]",
                 &entry.value,
-                fields.resolver.faults,
             );
             return Vec::new();
         }
@@ -150,7 +149,7 @@ pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Inputs, kind: &str) 
         } else {
             "name each input in the list `in`".to_owned()
         };
-        fields.resolver.faults.push(entry.value.span, |src, at| PatchFault::Arity {
+        fields.board.faults.push(entry.value.span, |src, at| PatchFault::Arity {
             src,
             at,
             owner,
@@ -159,12 +158,11 @@ pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Inputs, kind: &str) 
             help,
         });
     }
-    let scope = fields.scope;
-    items.into_iter().filter_map(|item| fields.resolver.input(scope, "in", item)).collect()
+    items.into_iter().filter_map(|item| fields.board.own_input("in", item)).collect()
 }
 
 fn unconnected(owner: String, at: Span, arity: Inputs, fields: &mut Fields<'_, '_>) {
-    fields.resolver.faults.push(at, |src, at| PatchFault::UnconnectedInput {
+    fields.board.faults.push(at, |src, at| PatchFault::UnconnectedInput {
         src,
         at,
         owner,

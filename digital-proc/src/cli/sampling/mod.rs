@@ -198,7 +198,7 @@ impl Sampling {
 impl<T: Args + Measure> Lab<T> {
     fn execute(self, context: &Context) -> Result<(), Failure> {
         let started = UtcSecond::from_system(SystemTime::now());
-        let profile = Profile::load(&self.machine.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.machine.profile)?;
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(machine.port());
         let mut bench = Bench::new(&mut console, profile.clone());

@@ -2,170 +2,72 @@
 
 use super::{
     super::{loop_law::Element, plan::LabError, table::Table1},
-    LawSpec, named,
-    text::Faults,
+    LawSpec,
 };
-use desk::faults::suggestion;
-use serde::Deserialize;
-use std::ops::Range;
-use toml::Spanned;
+use desk::reader::{Named, SheetFields};
 
-const KINDS: [&str; 4] = ["gain-matrix", "difference-equation", "delay", "table"];
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub(super) struct RawLaw {
-    kind: Spanned<String>,
-    inputs: Option<Vec<Spanned<String>>>,
-    outputs: Option<Vec<Spanned<String>>>,
-    input: Option<Spanned<String>>,
-    output: Option<Spanned<String>>,
-    gain: Option<Spanned<toml::Value>>,
-    numerator: Option<Spanned<Vec<f64>>>,
-    denominator: Option<Spanned<Vec<f64>>>,
-    frames: Option<Spanned<u32>>,
-    x: Option<Spanned<Vec<f64>>>,
-    y: Option<Spanned<Vec<f64>>>,
+#[derive(Clone, Copy)]
+enum Kind {
+    GainMatrix,
+    Difference,
+    Delay,
+    Table,
 }
 
 /// The law, or faults.
-pub(super) fn law(law: &Spanned<RawLaw>, faults: &mut Faults<'_>) -> Option<LawSpec> {
-    let raw = law.get_ref();
-    let kind = raw.kind.get_ref().as_str();
-    let allowed: &[&str] = match kind {
-        "gain-matrix" => &["inputs", "outputs", "gain"],
-        "difference-equation" => &["input", "output", "numerator", "denominator"],
-        "delay" => &["input", "output", "frames", "gain"],
-        "table" => &["input", "output", "x", "y"],
-        other => {
-            faults.add(
-                raw.kind.span(),
-                format!("unknown law `{other}`"),
-                suggestion(other, KINDS.into_iter()),
-            );
-            return None;
-        }
-    };
-    let given = [
-        ("inputs", raw.inputs.as_ref().map(|v| v.first().map_or(law.span(), Spanned::span))),
-        ("outputs", raw.outputs.as_ref().map(|v| v.first().map_or(law.span(), Spanned::span))),
-        ("input", raw.input.as_ref().map(Spanned::span)),
-        ("output", raw.output.as_ref().map(Spanned::span)),
-        ("gain", raw.gain.as_ref().map(Spanned::span)),
-        ("numerator", raw.numerator.as_ref().map(Spanned::span)),
-        ("denominator", raw.denominator.as_ref().map(Spanned::span)),
-        ("frames", raw.frames.as_ref().map(Spanned::span)),
-        ("x", raw.x.as_ref().map(Spanned::span)),
-        ("y", raw.y.as_ref().map(Spanned::span)),
+pub(super) fn law(f: &mut SheetFields<'_, '_>) -> Option<LawSpec> {
+    let kinds = [
+        ("gain-matrix", Kind::GainMatrix),
+        ("difference-equation", Kind::Difference),
+        ("delay", Kind::Delay),
+        ("table", Kind::Table),
     ];
-    let before = faults.count();
-    for (key, span) in &given {
-        match span {
-            Some(span) if !allowed.contains(key) => {
-                faults.add(
-                    span.clone(),
-                    format!("`{key}` has no meaning in a `{kind}` law"),
-                    format!("remove it; the keys are {}", allowed.join(", ")),
-                );
-            }
-            // A delay's gain is 1 unless stated.
-            None if allowed.contains(key) && !(kind == "delay" && *key == "gain") => {
-                faults.add(
-                    raw.kind.span(),
-                    format!("this `{kind}` law has no `{key}`"),
-                    "add the key",
-                );
-            }
-            _ => {}
-        }
-    }
-    if faults.count() > before {
+    let Some(kind) = f.word("kind", None, &kinds) else {
+        // Which fields there are to be cannot be said.
+        f.all();
         return None;
-    }
-    let list = |many: &Option<Vec<Spanned<String>>>, one: &Option<Spanned<String>>| {
-        many.iter().flatten().chain(one).map(named).collect::<Vec<_>>()
     };
-    let inputs = list(&raw.inputs, &raw.input);
-    let outputs = list(&raw.outputs, &raw.output);
+    if let Kind::GainMatrix = kind {
+        let (inputs, outputs) = (f.names("inputs"), f.names("outputs"));
+        let rows = f.each("gain", "[[1.0]]", |f, key, row| f.row(key, row));
+        let (inputs, outputs, rows) = (inputs?, outputs?, rows?);
+        let fits = rows.len() == outputs.len() && rows.iter().all(|r| r.len() == inputs.len());
+        let fault = format!("`gain` must be {} rows of {} numbers", outputs.len(), inputs.len());
+        f.require(fits, "gain", fault, "one row an output, one column an input");
+        return Some(LawSpec { inputs, outputs, element: Element::Gain(rows) });
+    }
+    let one = |named: Option<Named>| named.map(|named| vec![named]);
+    let (inputs, outputs) = (one(f.named("input")), one(f.named("output")));
     let element = match kind {
-        "gain-matrix" => gain_matrix(raw.gain.as_ref()?, inputs.len(), outputs.len(), faults)?,
-        "delay" => {
-            let gain = match &raw.gain {
-                None => 1.0,
-                Some(g) => number(g.get_ref()).or_else(|| {
-                    faults.add(
-                        g.span(),
-                        "the gain of this delay is no number",
-                        "give one finite number",
-                    );
-                    None
-                })?,
-            };
-            let frames = raw.frames.as_ref()?;
-            let delay = Element::delay(*frames.get_ref(), gain);
-            accepted(delay, frames.span(), faults)?
+        Kind::Delay => {
+            let frames = f.whole_in("frames", None, 0..=u32::MAX);
+            let gain = f.number("gain", Some(1.0));
+            let delay = Element::delay(frames?, gain?);
+            accepted(f, "frames", delay)?
         }
-        "difference-equation" => {
-            let (b, a) = (raw.numerator.as_ref()?, raw.denominator.as_ref()?);
-            let equation = Element::difference(b.get_ref().clone(), a.get_ref().clone());
-            accepted(equation, a.span(), faults)?
+        Kind::Table => {
+            let (x, y) = (f.numbers("x"), f.numbers("y"));
+            let table = Table1::new(x?, y?);
+            Element::Table(accepted(f, "x", table)?)
         }
         _ => {
-            let (x, y) = (raw.x.as_ref()?, raw.y.as_ref()?);
-            let table = Table1::new(x.get_ref().clone(), y.get_ref().clone());
-            Element::Table(accepted(table, x.span(), faults)?)
+            let (b, a) = (f.numbers("numerator"), f.numbers("denominator"));
+            let equation = Element::difference(b?, a?);
+            accepted(f, "denominator", equation)?
         }
     };
-    Some(LawSpec { inputs, outputs, element })
+    Some(LawSpec { inputs: inputs?, outputs: outputs?, element })
 }
 
-/// What was made of the values at `span`, or a fault there.
-fn accepted<T>(
-    made: Result<T, LabError>,
-    span: Range<usize>,
-    faults: &mut Faults<'_>,
-) -> Option<T> {
-    match made {
+/// What was made of the values of a field, or a fault there.
+fn accepted<T>(f: &mut SheetFields<'_, '_>, key: &str, made: Result<T, LabError>) -> Option<T> {
+    let (fault, remedy) = match made {
         Ok(made) => return Some(made),
         Err(LabError::Setting { what, value, range }) => {
-            faults.add(span, format!("{what} is {value}"), format!("it must be {range}"));
+            (format!("{what} is {value}"), format!("it must be {range}"))
         }
-        Err(other) => faults.add(span, other.to_string(), "correct it here"),
-    }
+        Err(other) => (other.to_string(), "correct it here".to_owned()),
+    };
+    f.require(false, key, fault, remedy);
     None
-}
-
-fn number(value: &toml::Value) -> Option<f64> {
-    match value {
-        toml::Value::Float(f) => Some(*f),
-        // Coefficients beyond 2^53 are not met.
-        toml::Value::Integer(i) => Some(*i as f64),
-        _ => None,
-    }
-    .filter(|v| v.is_finite())
-}
-
-fn gain_matrix(
-    value: &Spanned<toml::Value>,
-    inputs: usize,
-    outputs: usize,
-    faults: &mut Faults<'_>,
-) -> Option<Element> {
-    let rows: Option<Vec<Vec<f64>>> = value
-        .get_ref()
-        .as_array()
-        .and_then(|rows| rows.iter().map(|r| r.as_array()?.iter().map(number).collect()).collect());
-    match rows {
-        Some(rows) if rows.len() == outputs && rows.iter().all(|r| r.len() == inputs) => {
-            Some(Element::Gain(rows))
-        }
-        _ => {
-            faults.add(
-                value.span(),
-                format!("`gain` must be {outputs} rows of {inputs} numbers"),
-                "one row an output, one column an input",
-            );
-            None
-        }
-    }
 }

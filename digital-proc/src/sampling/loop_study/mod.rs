@@ -39,19 +39,11 @@ pub use text::{load, parse};
 
 use super::loop_law::{Element, LoopLaw};
 use desk::faults::{FileFault, FileFaults, Source, suggestion};
+use desk::reader::Named;
 use interface::{
     Tick,
     control::{Channel, ChannelKind},
 };
-use std::ops::Range;
-use toml::Spanned;
-
-/// A channel by name, with its place for messages.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Named {
-    name: String,
-    span: Range<usize>,
-}
 
 #[derive(Clone, Debug)]
 struct LawSpec {
@@ -93,10 +85,6 @@ pub struct LoopCase {
     pub bits: Option<u32>,
 }
 
-fn named(s: &Spanned<String>) -> Named {
-    Named { name: s.get_ref().clone(), span: s.span() }
-}
-
 impl LoopStudy {
     /// Patch, relative to the study file.
     pub fn patch(&self) -> &str {
@@ -115,7 +103,7 @@ impl LoopStudy {
     /// A fault of the patch, at the place where the study names it.
     pub fn patch_fault(&self, fault: String) -> FileFault {
         let remedy = "the path is relative to the study's own folder";
-        self.source().fault(self.patch.span.clone(), fault, remedy)
+        self.source().fault(self.patch.span, fault, remedy)
     }
 
     /// What ended a run of `case` that is not the fault of the machine: a patch that refuses the
@@ -123,7 +111,7 @@ impl LoopStudy {
     pub fn case_fault(&self, case: &LoopCase, cause: &dyn std::fmt::Display) -> FileFault {
         let fault = format!("frame {}, latency {}: {cause}", case.frame, case.latency);
         let remedy = "look at this study's patch, params, stop and sweep";
-        self.source().fault(self.measure.span.clone(), fault, remedy)
+        self.source().fault(self.measure.span, fault, remedy)
     }
 
     /// The law for one run, its channel names looked up in the loaded patch.
@@ -138,7 +126,7 @@ impl LoopStudy {
             if found.is_none() {
                 let fault = format!("the patch has no {what} `{}`", n.name);
                 let remedy = suggestion(&n.name, of_kind().map(|c| c.name.as_str()));
-                faults.push(self.source().fault(n.span.clone(), fault, remedy));
+                faults.push(self.source().fault(n.span, fault, remedy));
             }
             found.map_or(0, |c| c.number as usize)
         };
@@ -231,11 +219,14 @@ denominator = [1.0]
         assert_eq!(line_of(&GOOD.replace("[0.0, 1.0]", "[0.0, 1.5]"), "1.5"), 10);
         assert_eq!(line_of(&GOOD.replace("bits = [0]", "bits = [99]"), "99"), 11);
         assert_eq!(
-            line_of(&GOOD.replace("difference-equation", "diference-equation"), "unknown law"),
+            line_of(
+                &GOOD.replace("difference-equation", "diference-equation"),
+                "`law.kind` cannot be"
+            ),
             13
         );
         assert_eq!(line_of(&GOOD.replace("[1.0]\n", "[0.0]\n"), "denominator"), 17);
-        assert_eq!(line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"), 13);
+        assert_eq!(line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"), 12);
         assert_eq!(line_of(&GOOD.replace("stop =", "stopp ="), "stopp"), 4);
         assert_eq!(line_of("patch = ", "string"), 1);
         let many = GOOD.replace("\"50ms\"", "\"50\"").replace("[0.0, 1.0]", "[2.0]");

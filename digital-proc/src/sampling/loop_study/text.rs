@@ -1,218 +1,98 @@
 //! A loop study's text: everything in it that can be judged without the patch.
 
-use super::{
-    LoopCase, LoopStudy,
-    law_text::{self, RawLaw},
-    named,
+use super::{LoopCase, LoopStudy, law_text::law};
+use desk::{
+    faults::{FileFaults, Source},
+    reader::{self, ABOVE_ZERO, FileKind, Range::Any, SheetFields},
 };
-use desk::faults::{self, FileFault, FileFaults, Source};
 use interface::Tick;
-use serde::Deserialize;
-use std::{collections::BTreeMap, ops::Range, path::Path};
-use toml::Spanned;
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-struct Raw {
-    title: Option<String>,
-    patch: Spanned<String>,
-    stop: Spanned<String>,
-    from: Option<Spanned<String>>,
-    until: Option<Spanned<String>>,
-    measure: Spanned<String>,
-    #[serde(default)]
-    params: BTreeMap<String, Spanned<f64>>,
-    sweep: RawSweep,
-    law: Vec<Spanned<RawLaw>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-struct RawSweep {
-    frame: Spanned<Vec<Spanned<String>>>,
-    latency: Option<Vec<Spanned<f64>>>,
-    bits: Option<Vec<Spanned<u32>>>,
-}
-
-/// The faults found so far.
-pub(super) struct Faults<'a> {
-    source: Source<'a>,
-    list: Vec<FileFault>,
-}
-
-impl Faults<'_> {
-    pub(super) fn add(
-        &mut self,
-        span: Range<usize>,
-        fault: impl Into<String>,
-        remedy: impl Into<String>,
-    ) {
-        self.list.push(self.source.fault(span, fault, remedy));
-    }
-
-    pub(super) fn count(&self) -> usize {
-        self.list.len()
-    }
-
-    fn duration(&mut self, value: &Spanned<String>) -> Option<Tick> {
-        match value.get_ref().parse::<Tick>() {
-            Ok(t) if t > Tick::ZERO => Some(t),
-            Ok(t) => {
-                self.add(value.span(), format!("a duration of {t}"), "it must be above 0");
-                None
-            }
-            Err(e) => {
-                let remedy = "write a number with its unit: s, ms, us or ns, as \"20ms\"";
-                self.add(value.span(), e.to_string(), remedy);
-                None
-            }
-        }
-    }
-}
+use std::{collections::BTreeMap, path::Path};
 
 /// Reads a user's study.
-///
-/// # Errors
-/// Every fault that can be seen without the patch.
 pub fn load(path: &Path) -> Result<LoopStudy, FileFaults> {
-    faults::load(path, parse)
+    reader::load(path, parse)
 }
 
 /// Reads a text; `file` is only named in faults.
-///
-/// # Errors
-/// Every fault that can be seen without the patch.
 pub fn parse(file: &str, text: &str) -> Result<LoopStudy, FileFaults> {
-    let source = Source { file, text };
-    let raw: Raw = source.parse()?;
-    let mut faults = Faults { source, list: Vec::new() };
-    let stop = faults.duration(&raw.stop).unwrap_or(Tick::ZERO);
-    let (from, until) = window(&raw, stop, &mut faults);
-    let cases = cases(&raw.sweep, &mut faults);
-    if raw.law.is_empty() {
-        faults.add(raw.measure.span(), "the study has no law", "write at least one [[law]]");
-    }
-    let mut laws = Vec::new();
-    for law in &raw.law {
-        if let Some(spec) = law_text::law(law, &mut faults) {
-            laws.push(spec);
+    reader::read(FileKind::LoopStudy, Source { file, text }, |f| {
+        let title = f.text_or_none("title");
+        let (patch, measure) = (f.named("patch"), f.named("measure"));
+        let stop = f.duration("stop", None, ABOVE_ZERO);
+        let window = stop.and_then(|stop| window(f, stop));
+        let params: Option<BTreeMap<_, _>> =
+            f.by_name("params", |f, key, value| f.number_at(key, value, Any));
+        let cases = f.table("sweep", cases);
+        let laws = f.tables("law", law);
+        let some = laws.as_ref().is_none_or(|laws| !laws.is_empty());
+        f.require(some, "law", "the study has no law", "write at least one [[law]]");
+        let mut driven = Vec::new();
+        for output in laws.iter().flatten().flat_map(|law| &law.outputs) {
+            if driven.contains(&&output.name) {
+                let fault = format!("`{}` is driven twice", output.name);
+                f.fault(output.span, fault, "let one law set each DAC");
+            }
+            driven.push(&output.name);
         }
-    }
-    let mut driven = Vec::new();
-    for output in laws.iter().flat_map(|law| &law.outputs) {
-        if driven.contains(&&output.name) {
-            let fault = format!("`{}` is driven twice", output.name);
-            faults.add(output.span.clone(), fault, "let one law set each DAC");
-        }
-        driven.push(&output.name);
-    }
-    for (name, value) in &raw.params {
-        if !value.get_ref().is_finite() {
-            faults.add(
-                value.span(),
-                format!("param `{name}` is {}", value.get_ref()),
-                "give a finite number",
-            );
-        }
-    }
-    FileFaults::unless(
-        faults.list,
-        LoopStudy {
-            title: raw.title.unwrap_or_else(|| file.to_owned()),
-            patch: named(&raw.patch),
-            params: raw
-                .params
-                .into_iter()
-                .map(|(name, value)| (name, value.into_inner()))
-                .collect(),
-            stop,
+        let (from, until) = window?;
+        Some(LoopStudy {
+            title: title.unwrap_or_else(|| file.to_owned()),
+            patch: patch?,
+            params: params?.into_iter().collect(),
+            stop: stop?,
             from,
             until,
-            cases,
-            measure: named(&raw.measure),
-            laws,
+            cases: cases?,
+            measure: measure?,
+            laws: laws?,
             file: file.to_owned(),
             text: text.to_owned(),
-        },
-    )
+        })
+    })
 }
 
 /// Start and end of the record that is judged; all of the run where they are not stated.
-fn window(raw: &Raw, stop: Tick, faults: &mut Faults<'_>) -> (Tick, Tick) {
-    let mut stated = |at: &Option<Spanned<String>>, default: Tick| {
-        at.as_ref().and_then(|text| faults.duration(text)).unwrap_or(default)
-    };
-    let (from, until) = (stated(&raw.from, Tick::ZERO), stated(&raw.until, stop));
-    let place = raw.from.as_ref().or(raw.until.as_ref());
-    if let Some(place) = place
-        && stop > Tick::ZERO
-        && !(from < until && until <= stop)
-    {
-        let fault = format!("a record from {from} until {until} of a run to {stop}");
-        faults.add(place.span(), fault, "give from < until <= stop");
-    }
-    (from, until)
+fn window(f: &mut SheetFields<'_, '_>, stop: Tick) -> Option<(Tick, Tick)> {
+    let from = f.duration("from", Some(Tick::ZERO), ABOVE_ZERO);
+    let until = f.duration("until", Some(stop), ABOVE_ZERO);
+    let (from, until) = (from?, until?);
+    let fault = format!("a record from {from} until {until} of a run to {stop}");
+    let key = if f.place("from").is_some() { "from" } else { "until" };
+    f.require(from < until && until <= stop, key, fault, "give from < until <= stop");
+    Some((from, until))
 }
 
-fn cases(sweep: &RawSweep, faults: &mut Faults<'_>) -> Vec<LoopCase> {
+fn cases(f: &mut SheetFields<'_, '_>) -> Option<Vec<LoopCase>> {
+    let frames = f.each("frame", "[\"20ms\"]", |f, key, item| f.duration_of(key, item, ABOVE_ZERO));
+    let latencies = f.maybe("latency", |f| {
+        f.each("latency", "", |f, key, item| {
+            f.ranged_at(key, item, "0 to 1, in frames", |l| (0.0..=1.0).contains(&l))
+        })
+    });
+    let bits = f.maybe("bits", |f| {
+        f.each("bits", "", |f, key, item| {
+            let fits = |n: f64| n.fract() == 0.0 && (n == 0.0 || (2.0..=32.0).contains(&n));
+            let bits = f.ranged_at(key, item, "2 to 32, or 0 for ideal converters", fits)?;
+            Some((bits > 0.0).then_some(bits as u32))
+        })
+    });
+    let has = |empty: Option<bool>| empty != Some(true);
+    for (key, some) in [
+        ("frame", has(frames.as_ref().map(Vec::is_empty))),
+        ("latency", has(latencies.as_ref().map(Vec::is_empty))),
+        ("bits", has(bits.as_ref().map(Vec::is_empty))),
+    ] {
+        let fault = format!("the sweep has no {key}");
+        f.require(some, key, fault, "list at least one, or leave out `latency` and `bits`");
+    }
+    let (latencies, bits) = (latencies.unwrap_or(vec![0.0]), bits.unwrap_or(vec![None]));
     let mut all = Vec::new();
-    if sweep.frame.get_ref().is_empty() {
-        faults.add(sweep.frame.span(), "the sweep has no frame", "list at least one, as \"20ms\"");
-    }
-    if sweep.latency.as_ref().is_some_and(Vec::is_empty)
-        || sweep.bits.as_ref().is_some_and(Vec::is_empty)
-    {
-        faults.add(
-            sweep.frame.span(),
-            "the sweep has an empty list",
-            "leave out `latency` or `bits`, or list at least one",
-        );
-    }
-    let latencies: Vec<f64> = sweep.latency.as_ref().map_or(vec![0.0], |list| {
-        list.iter()
-            .filter_map(|l| {
-                let ok = (0.0..=1.0).contains(l.get_ref());
-                if !ok {
-                    let message = format!("a latency of {} frames", l.get_ref());
-                    faults.add(l.span(), message, "latencies are 0 to 1, in frames");
-                }
-                ok.then_some(*l.get_ref())
-            })
-            .collect()
-    });
-    let bits: Vec<Option<u32>> = sweep.bits.as_ref().map_or(vec![None], |list| {
-        list.iter()
-            .filter_map(|b| {
-                let n = *b.get_ref();
-                if n == 0 {
-                    return Some(None);
-                }
-                if !(2..=32).contains(&n) {
-                    faults.add(
-                        b.span(),
-                        format!("a converter of {n} bits"),
-                        "2 to 32, or 0 for ideal",
-                    );
-                    return None;
-                }
-                Some(Some(n))
-            })
-            .collect()
-    });
-    for text in sweep.frame.get_ref() {
-        let Some(frame) = faults.duration(text) else {
-            continue;
-        };
+    for frame in frames? {
         for l in &latencies {
-            for b in &bits {
-                all.push(LoopCase {
-                    frame,
-                    // At most one frame, so that the product fits wherever the frame does.
-                    latency: Tick((frame.0 as f64 * l).round() as i64),
-                    bits: *b,
-                });
-            }
+            // At most one frame, so that the product fits wherever the frame does.
+            let latency = Tick((frame.0 as f64 * l).round() as i64);
+            all.extend(bits.iter().map(|bits| LoopCase { frame, latency, bits: *bits }));
         }
     }
-    all
+    Some(all)
 }

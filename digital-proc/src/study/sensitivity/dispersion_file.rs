@@ -3,19 +3,18 @@
 use crate::study::short_period::{
     places::{PointEntry, locate_all},
     point::FrozenPoint,
-    quantity::{QUANTITIES, Quantity},
+    quantity::Quantity,
     study_file::{Study, StudyError},
 };
-use desk::faults::{self, FileFault, FileFaults, Source, suggestion};
-use serde::Deserialize;
+use desk::faults::{FileFault, FileFaults, Source};
+use desk::reader::{self, FileKind, SheetFields};
 use std::path::Path;
-use toml::Spanned;
 use vehicle::{Vehicle, slice::SlicePoint};
 
 /// Text of the shipped file.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/dispersions.toml");
 /// Name under which its faults would be reported.
-pub const SHIPPED_NAME: &str = "digital-proc/data/dispersions.toml";
+pub const SHIPPED_NAME: &str = "the shipped dispersions";
 
 /// Most dispersions: the corners double with each.
 pub const MOST: usize = 14;
@@ -95,24 +94,6 @@ impl Dispersion {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-struct RawFile {
-    points: Vec<Spanned<String>>,
-    #[serde(default)]
-    dispersion: Vec<Spanned<RawDispersion>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-struct RawDispersion {
-    title: String,
-    quantity: Option<Spanned<String>>,
-    low: Option<Spanned<f64>>,
-    high: Option<Spanned<f64>>,
-    stations_m: Option<Spanned<[f64; 2]>>,
-}
-
 impl Dispersions {
     /// The points on the vehicle's own flight.
     ///
@@ -139,117 +120,63 @@ impl Dispersions {
     }
 
     /// The shipped file.
-    ///
-    /// # Errors
-    /// None as shipped; a unit test reads it.
     pub fn shipped() -> Result<Dispersions, FileFaults> {
         Dispersions::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
     }
 
     /// Reads a user's file.
-    ///
-    /// # Errors
-    /// Every fault found.
     pub fn load(path: &Path) -> Result<Dispersions, FileFaults> {
-        faults::load(path, Dispersions::from_toml)
+        reader::load(path, Dispersions::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
-    ///
-    /// # Errors
-    /// Every fault found.
     pub fn from_toml(file: &str, text: &str) -> Result<Dispersions, FileFaults> {
-        let source = Source { file, text };
-        let raw: RawFile = source.parse()?;
-        let mut faults = Vec::new();
-        let mut points = Vec::new();
         let catalogue = Study::shipped()?.points;
-        let known = || catalogue.iter().map(|p| p.name.as_str());
-        for name in &raw.points {
-            if !known().any(|known| known == name.get_ref()) {
-                faults.push(source.fault(
-                    name.span(),
-                    format!("no trajectory point `{}`", name.get_ref()),
-                    suggestion(name.get_ref(), known()),
-                ));
-            }
-        }
-        for point in &catalogue {
-            if let Some(name) = raw.points.iter().find(|name| *name.get_ref() == point.name) {
-                points.push(PointEntry { span: name.span(), ..point.clone() });
-            }
-        }
-        let mut all = Vec::new();
-        for raw in &raw.dispersion {
-            match dispersed(raw, &source) {
-                Ok(what) => all.push(Dispersion { title: raw.get_ref().title.clone(), what }),
-                Err(fault) => faults.push(fault),
-            }
-        }
-        let count = raw.dispersion.len();
-        if count == 0 || count > MOST || raw.points.is_empty() {
-            faults.push(source.fault(
-                0..0,
-                format!("{count} dispersions at {} points", raw.points.len()),
-                format!("give at least one point and 1 to {MOST} [[dispersion]]"),
-            ));
-        }
-        let (file, text) = (file.to_owned(), text.to_owned());
-        FileFaults::unless(faults, Dispersions { file, text, points, all })
+        reader::read(FileKind::Dispersions, Source { file, text }, |f| {
+            let known: Vec<_> =
+                catalogue.iter().map(|point| (point.name.as_str(), point)).collect();
+            let named = f.each("points", "[\"max-q\"]", |f, key, name| {
+                let point = f.word_of(key, name, &known)?;
+                Some(PointEntry { span: name.span, ..point.clone() })
+            });
+            let all = f.tables("dispersion", dispersion);
+            let (named, all) = (named?, all?);
+            let fault = format!("{} dispersions at {} points", all.len(), named.len());
+            let remedy = format!("give at least one point and 1 to {MOST} [[dispersion]]");
+            let fits = !named.is_empty() && (1..=MOST).contains(&all.len());
+            f.require(fits, "dispersion", fault, remedy);
+            let asked = |point: &PointEntry| named.iter().find(|n| n.name == point.name).cloned();
+            let points = catalogue.iter().filter_map(asked).collect();
+            Some(Dispersions { file: file.to_owned(), text: text.to_owned(), points, all })
+        })
     }
 }
 
-fn dispersed(raw: &Spanned<RawDispersion>, source: &Source<'_>) -> Result<Dispersed, FileFault> {
-    let entry = raw.get_ref();
-    match (&entry.quantity, &entry.low, &entry.high, &entry.stations_m) {
-        (Some(name), Some(low), Some(high), None) => {
-            let quantity = Quantity::find(name.get_ref()).ok_or_else(|| {
-                source.fault(
-                    name.span(),
-                    format!("no quantity `{}`", name.get_ref()),
-                    suggestion(name.get_ref(), QUANTITIES.iter().map(|q| q.name)),
-                )
-            })?;
-            let [least, most] = FACTORS;
-            for factor in [low, high] {
-                // Not a number is no factor either.
-                if !(least..=most).contains(factor.get_ref()) {
-                    return Err(source.fault(
-                        factor.span(),
-                        format!("a factor of {}", factor.get_ref()),
-                        format!("a dispersion is a factor of {least} to {most}"),
-                    ));
-                }
-            }
-            let (low, high) = (*low.get_ref(), *high.get_ref());
-            if low < high {
-                Ok(Dispersed::Factors(quantity, [low, high]))
-            } else {
-                Err(source.fault(
-                    raw.span(),
-                    format!("factors {low} and {high}"),
-                    "give low < high".to_owned(),
-                ))
-            }
-        }
-        (None, None, None, Some(stations)) => {
-            let [low, high] = *stations.get_ref();
-            if low < high && low.is_finite() && high.is_finite() {
-                Ok(Dispersed::GyroStations([low, high]))
-            } else {
-                Err(source.fault(
-                    stations.span(),
-                    format!("stations {low} and {high} m"),
-                    "give two stations, the lower first".to_owned(),
-                ))
-            }
-        }
-        _ => Err(source.fault(
-            raw.span(),
-            format!("`{}` is not fully stated", entry.title),
-            "give quantity, low and high, or stations-m alone".to_owned(),
-        )),
-    }
+fn dispersion(f: &mut SheetFields<'_, '_>) -> Option<Dispersion> {
+    let title = f.text("title");
+    let quantity = f.maybe("quantity", |f| f.word("quantity", None, &Quantity::by_name()));
+    let range = "a factor of 0.1 to 10";
+    let [low, high] = ["low", "high"].map(|key| {
+        let fits = |factor: f64| (FACTORS[0]..=FACTORS[1]).contains(&factor);
+        f.maybe(key, |f| f.ranged(key, None, range, fits))
+    });
+    let stations = f.maybe("stations-m", |f| f.pair("stations-m"));
+    let stated = ["quantity", "low", "high", "stations-m"].map(|key| f.place(key).is_some());
+    let whole = stated == [true, true, true, false] || stated == [false, false, false, true];
+    let remedy = "give quantity, low and high, or stations-m alone";
+    let fault = format!("`{}` is not fully stated", title.as_deref().unwrap_or_default());
+    f.require(whole, "", fault, remedy);
+    let (key, pair) = match stations {
+        Some(stations) => ("stations-m", stations),
+        None => ("low", [low?, high?]),
+    };
+    let fault = format!("from {} to {}", pair[0], pair[1]);
+    f.require(pair[0] < pair[1], key, fault, "give the lower one first: low < high");
+    let what = match stations {
+        Some(stations) => Dispersed::GyroStations(stations),
+        None => Dispersed::Factors(quantity?, pair),
+    };
+    Some(Dispersion { title: title?, what })
 }
 
 #[cfg(test)]
@@ -273,30 +200,21 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_reported_with_line_and_remedy() {
+    fn what_makes_no_sense_is_told_with_its_place() {
+        let of =
+            |fields: &str| format!("points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\n{fields}");
+        let factors = |low: &str, high: &str| {
+            of(&format!("quantity = \"gyro-damping\"\nlow = {low}\nhigh = {high}"))
+        };
         for (text, words) in [
-            (
-                "points = [\"max-p\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-dampin\"\nlow = 0.5\nhigh = 1.5",
-                ["x.toml:1", "max-q", "x.toml:4", "gyro-damping"],
-            ),
-            (
-                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-damping\"\nlow = 1.5\nhigh = 0.5",
-                ["x.toml:2", "low < high", "1.5", "0.5"],
-            ),
-            (
-                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nlow = 1.5",
-                ["x.toml:2", "stations-m", "quantity", "`a`"],
-            ),
-            (
-                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-damping\"\nlow = 0.5\nhigh = 1.2e9",
-                ["x.toml:6", "1200000000", "0.1", "10"],
-            ),
-            (
-                "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"a\"\nquantity = \"gyro-damping\"\nlow = 0.0\nhigh = 1.5",
-                ["x.toml:5", "factor of 0", "0.1", "10"],
-            ),
+            (factors("0.5", "1.5").replace("max-q", "max-p"), ["x.toml:1:11:", "max-q"]),
+            (factors("0.5", "1.5").replace("-damping", "-dampin"), ["x.toml:4:", "gyro-damping"]),
+            (factors("1.5", "0.5"), ["x.toml:5:7: from 1.5 to 0.5", "low < high"]),
+            (factors("0.5", "1.2e9"), ["x.toml:6:", "a factor of 0.1 to 10"]),
+            (of("low = 1.5"), ["x.toml:2:", "`a` is not fully stated"]),
+            (of("stations-m = [3.0, 2.0]"), ["x.toml:4:", "from 3 to 2"]),
         ] {
-            let error = Dispersions::from_toml("x.toml", text).unwrap_err().to_string();
+            let error = Dispersions::from_toml("x.toml", &text).unwrap_err().to_string();
             for word in words {
                 assert!(error.contains(word), "{word}: {error}");
             }

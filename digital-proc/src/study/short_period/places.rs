@@ -7,6 +7,7 @@
 
 use super::study_file::{Study, StudyError};
 use desk::faults::{FileFault, FileFaults, Source};
+use desk::reader::Span;
 use vehicle::Vehicle;
 use vehicle::slice::{self, SlicePoint};
 use vehicle::trajectory::FlightError;
@@ -28,7 +29,7 @@ pub struct PointEntry {
     /// Added to the time found, s.
     pub offset_s: f64,
     /// Where it stands in the file.
-    pub(crate) span: std::ops::Range<usize>,
+    pub(crate) span: Span,
 }
 
 /// Where on the trajectory a point lies.
@@ -131,7 +132,7 @@ pub(crate) fn locate_all(
             Ok(slice) => slices.push(slice),
             Err(Lacking { point: name, fault, remedy }) => {
                 let fault = format!("point `{name}`: {fault}");
-                faults.push(source.fault(point.span.clone(), fault, remedy));
+                faults.push(source.fault(point.span, fault, remedy));
             }
         }
     }
@@ -143,11 +144,11 @@ pub(super) fn gyro_stations(study: &Study, vehicle: &Vehicle) -> Result<(), File
     let source = study.source();
     let [first, last] = vehicle.gyro_stations_m();
     let outside = study.conditions.iter().filter_map(|condition| {
-        let station = condition.gyro_station_m.as_ref()?;
-        let known = vehicle.gyro_slope_at_station(*station.get_ref()).is_some();
-        let fault = format!("a rate gyro at {} m", station.get_ref());
+        let (station, at) = condition.gyro?;
+        let known = vehicle.gyro_slope_at_station(station).is_some();
+        let fault = format!("a rate gyro at {station} m");
         let remedy = format!("the bending mode is known from {first} to {last} m");
-        (!known).then(|| source.fault(station.span(), fault, remedy))
+        (!known).then(|| source.fault(at, fault, remedy))
     });
     FileFaults::unless(outside.collect(), ())
 }

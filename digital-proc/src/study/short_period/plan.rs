@@ -183,17 +183,15 @@ impl Plan {
 
 impl Condition {
     fn is_a_change(&self) -> bool {
-        !self.changes.is_empty()
-            || self.gains != GainSource::Scheduled
-            || self.gyro_station_m.is_some()
+        !self.changes.is_empty() || self.gains != GainSource::Scheduled || self.gyro.is_some()
     }
 
     /// The point as this condition leaves it; `None` where it cannot apply.
     pub fn freeze(&self, vehicle: &Vehicle, slice: &SlicePoint) -> Option<FrozenPoint> {
         let gains = self.gains.at(vehicle, slice.time_s)?;
         let mut frozen = FrozenPoint::new(vehicle, slice, &gains);
-        if let Some(station_m) = &self.gyro_station_m {
-            frozen.gyro_slope_pm = vehicle.gyro_slope_at_station(*station_m.get_ref())?;
+        if let Some((station_m, _)) = self.gyro {
+            frozen.gyro_slope_pm = vehicle.gyro_slope_at_station(station_m)?;
         }
         for change in &self.changes {
             let value = match change.how {

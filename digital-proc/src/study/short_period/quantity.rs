@@ -1,6 +1,7 @@
 //! The quantities of a frozen point by name, as a study file writes them.
 
 use super::point::FrozenPoint;
+use desk::reader::Range;
 
 /// One quantity that a condition may multiply or replace.
 #[derive(Clone, Copy, Debug)]
@@ -15,29 +16,6 @@ pub struct Quantity {
     pub range: Range,
     /// Where it lies in the point.
     field: fn(&mut FrozenPoint) -> &mut f64,
-}
-
-/// Which values of a quantity make sense.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Range {
-    /// Any finite number.
-    Any,
-    /// A limit or a width: 0 or more.
-    NotNegative,
-    /// The model divides by it: above 0.
-    Positive,
-}
-
-impl Range {
-    /// Whether a value is finite and in the range.
-    pub fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Range::Any => true,
-                Range::NotNegative => value >= 0.0,
-                Range::Positive => value > 0.0,
-            }
-    }
 }
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -102,9 +80,9 @@ quantities! {
 }
 
 impl Quantity {
-    /// Finds a quantity by its name in the study file.
-    pub fn find(name: &str) -> Option<&'static Quantity> {
-        QUANTITIES.iter().find(|q| q.name == name)
+    /// All of them, as words of a file.
+    pub fn by_name() -> Vec<(&'static str, &'static Quantity)> {
+        QUANTITIES.iter().map(|q| (q.name, q)).collect()
     }
 
     /// Its value at a point, SI.

@@ -7,19 +7,18 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
-use toml::Spanned;
-
 use super::places::PointEntry;
 use super::quantity::Quantity;
 use super::study_check;
-use desk::faults::{self, FileFaults, Source};
+use desk::faults::{FileFaults, Source};
+use desk::reader::{self, Range::Any, Span};
+use desk::table;
 use vehicle::trajectory::FlightError;
 
 /// Text of the shipped study.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");
-/// Name under which its faults would be reported.
-pub const SHIPPED_NAME: &str = "digital-proc/data/short-period.toml";
+/// Name under which it is recorded.
+pub const SHIPPED_NAME: &str = "the shipped study";
 
 /// A study that was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -53,36 +52,20 @@ pub struct Study {
     pub conditions: Vec<Condition>,
 }
 
-/// The pitch test.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub struct PitchTest {
-    /// Step command, deg.
-    pub step_deg: f64,
-    /// Fraction of the three-sigma misalignment.
-    pub misalignment: f64,
-    /// Fraction of the step gust.
-    pub gust: f64,
+table! { "The pitch test." PitchTest
+    step_deg: f64 = ranged("step-deg", None, "a step other than 0 deg", |deg| deg != 0.0), "Step command, deg; measures are fractions of it.";
+    misalignment: f64 = number_in("misalignment", Any), "Fraction of the three-sigma misalignment.";
+    gust: f64 = number_in("gust", Any), "Fraction of the step gust.";
 }
 
-/// The yaw–roll test.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub struct YawRollTest {
-    /// Initial yaw, deg.
-    pub yaw_deg: f64,
-    /// Initial yaw rate, deg/s.
-    pub yaw_rate_dps: f64,
-    /// Initial roll, deg.
-    pub roll_deg: f64,
-    /// Initial roll rate, deg/s.
-    pub roll_rate_dps: f64,
-    /// Fraction of the three-sigma misalignment.
-    pub misalignment: f64,
-    /// Fraction of the step gust.
-    pub gust: f64,
-    /// Fraction of the fin-cant moment.
-    pub cant: f64,
+table! { "The yaw–roll test." YawRollTest
+    yaw_deg: f64 = number_in("yaw-deg", Any), "Initial yaw, deg.";
+    yaw_rate_dps: f64 = number_in("yaw-rate-dps", Any), "Initial yaw rate, deg/s.";
+    roll_deg: f64 = number_in("roll-deg", Any), "Initial roll, deg.";
+    roll_rate_dps: f64 = number_in("roll-rate-dps", Any), "Initial roll rate, deg/s.";
+    misalignment: f64 = number_in("misalignment", Any), "Fraction of the three-sigma misalignment.";
+    gust: f64 = number_in("gust", Any), "Fraction of the step gust.";
+    cant: f64 = number_in("cant", Any), "Fraction of the fin-cant moment.";
 }
 
 /// An operating condition.
@@ -96,8 +79,8 @@ pub struct Condition {
     pub changes: Vec<Change>,
     /// Loop gains in force.
     pub gains: GainSource,
-    /// Rate gyro moved to this station, m from the nozzle exit.
-    pub gyro_station_m: Option<Spanned<f64>>,
+    /// Rate gyro moved to this station, m from the nozzle exit, and where that stands.
+    pub gyro: Option<(f64, Span)>,
     /// Only at points where the fin tips work.
     pub needs_ftc: bool,
     /// Runs the pitch loop.
@@ -167,7 +150,7 @@ impl Study {
 
     /// Reads a user's file.
     pub fn load(path: &Path) -> Result<Study, FileFaults> {
-        faults::load(path, Study::from_toml)
+        reader::load(path, Study::from_toml)
     }
 
     /// Reads a text; `file` is only named in faults.
@@ -207,10 +190,8 @@ mod tests {
     fn misspelt_names_get_their_line_and_the_nearest_known_one() {
         for (right, wrong, near) in [
             ("\"tip-force-slope\"", "\"tip-force-slop\"", "tip-force-slope"),
-            ("event = \"max-q\"", "event = \"max-Q\"", "max-q"),
             ("gains = \"reduced\"", "gains = \"reducd\"", "reduced"),
             ("gyro-station-m", "gyro-staton-m", "gyro-station-m"),
-            ("duration-s", "duraton-s", "duration-s"),
             ("where = \"ftc-on\"", "where = \"ftc\"", "ftc-on"),
         ] {
             let line = line_of(SHIPPED_TEXT, right);

@@ -35,7 +35,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use interface::user_file;
+use crate::user_file;
 use serde::Serialize;
 
 /// Where runs are kept unless the user says otherwise.

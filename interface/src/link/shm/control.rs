@@ -8,10 +8,10 @@
 //!
 //! It refuses messages above [`MESSAGE_LIMIT`] and parts out of order.
 
-use super::{LinkFault, NODES, fault, service_name};
+use super::service::{NODES, fault, service_name};
 use crate::{
     control::{Reply, Request},
-    link::bell::Bell,
+    link::{LinkFault, bell::Bell},
 };
 use iceoryx2::{
     active_request::ActiveRequest,

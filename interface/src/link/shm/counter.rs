@@ -9,7 +9,8 @@
 //! It refuses a file that is not of this user's making. Name and content belong to the
 //! pinned release; a test of the link looks at the modes of all shared memory.
 
-use super::{LinkFault, fault};
+use super::service::fault;
+use crate::link::LinkFault;
 use rustix::{
     fs::{AtFlags, CWD, FileType, Mode, OFlags, linkat, lstat},
     io::Errno,

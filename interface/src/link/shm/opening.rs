@@ -8,12 +8,14 @@
 //! and gives up when the thread does not notice them by itself. A thread that hangs
 //! stays behind and ends with the process.
 
-use super::{LinkFault, Peer, fault};
-use crate::{link::waiting::Patience, session::Partner};
+use super::{
+    peer::{Peer, Progress},
+    service::fault,
+};
+use crate::link::{LinkFault, waiting::Patience};
 use std::{
     sync::{
-        Arc, OnceLock,
-        atomic::{AtomicBool, Ordering},
+        atomic::Ordering,
         mpsc::{RecvTimeoutError, sync_channel},
     },
     time::{Duration, Instant},
@@ -25,15 +27,6 @@ const LOOK: Duration = Duration::from_millis(5);
 /// makes the better report. Its own waits look every 20 ms; but it may be slow, beside busy
 /// programs or a busy disk, and what it makes after the session was left would stay behind.
 const GRACE: Duration = Duration::from_millis(1500);
-
-/// What opening thread and watcher share.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Progress {
-    /// The partner as soon as it is known.
-    pub(super) partner: Arc<OnceLock<Partner>>,
-    /// Set once the transport has made everything that this side needs.
-    pub(super) built: Arc<AtomicBool>,
-}
 
 /// An end on its way from the thread that opened it to the caller.
 struct Moved<E>(E);

@@ -1,19 +1,32 @@
-//! Values of a patch file, each with its place: the part of TOML that patches use.
+//! Values of a user's file, each with its place.
 
-use crate::net::Span;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value and where it stands.
-#[derive(Clone, Debug)]
-pub(crate) struct Value {
-    pub(crate) span: Span,
-    pub(crate) data: Data,
+/// A byte range in one of the files that are read together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// Index into the list of files.
+    pub file: u32,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
 }
 
+/// A value and where it stands.
 #[derive(Clone, Debug)]
-pub(crate) enum Data {
+#[allow(missing_docs)]
+pub struct Value {
+    pub span: Span,
+    pub data: Data,
+}
+
+/// What a value is.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub enum Data {
     /// Any number; `integer` where it is written as one that fits.
     Number {
         value: f64,
@@ -28,15 +41,32 @@ pub(crate) enum Data {
 
 /// A key of a table with its value.
 #[derive(Clone, Debug)]
-pub(crate) struct Entry {
-    pub(crate) key: String,
-    pub(crate) key_span: Span,
-    pub(crate) value: Value,
+#[allow(missing_docs)]
+pub struct Entry {
+    pub key: String,
+    pub key_span: Span,
+    pub value: Value,
+}
+
+/// A name with its place, for what can be judged only later.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub struct Named {
+    pub name: String,
+    pub span: Span,
 }
 
 impl Value {
+    /// The text, if it is one.
+    pub fn text(&self) -> Option<&str> {
+        match &self.data {
+            Data::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
     /// The type in words.
-    pub(crate) fn type_name(&self) -> &'static str {
+    pub fn type_name(&self) -> &'static str {
         match self.data {
             Data::Number { .. } => "a number",
             Data::Text(_) => "a string",
@@ -48,7 +78,7 @@ impl Value {
     }
 
     /// Converts what the parser returns. The parser bounds the depth of nesting.
-    pub(crate) fn from_toml(file: u32, value: &Spanned<DeValue<'_>>) -> Self {
+    pub fn from_toml(file: u32, value: &Spanned<DeValue<'_>>) -> Self {
         let data = match value.get_ref() {
             DeValue::String(text) => Data::Text(text.clone().into_owned()),
             DeValue::Integer(i) => {
@@ -73,7 +103,7 @@ impl Value {
 }
 
 /// Entries of a table in the order in which they stand in the file.
-pub(crate) fn entries(file: u32, table: &DeTable<'_>) -> Vec<Entry> {
+pub fn entries(file: u32, table: &DeTable<'_>) -> Vec<Entry> {
     let mut list: Vec<Entry> = table
         .iter()
         .map(|(key, value)| Entry {
@@ -86,8 +116,8 @@ pub(crate) fn entries(file: u32, table: &DeTable<'_>) -> Vec<Entry> {
     list
 }
 
-/// A byte range as a span. Files are shorter than 4 GiB (the loader refuses far smaller ones).
-pub(crate) fn span(file: u32, range: Range<usize>) -> Span {
+/// A byte range as a span. Files are shorter than 4 GiB (whoever reads them refuses far smaller ones).
+pub fn span(file: u32, range: Range<usize>) -> Span {
     let offset = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
     Span { file, start: offset(range.start), end: offset(range.end) }
 }

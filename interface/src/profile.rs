@@ -2,22 +2,17 @@
 //!
 //! Every number says where it is from ([`Provenance`]); a number that is absent
 //! is a stage switched off, or a supply without limit. [`Profile::ideal`] has
-//! none. Profiles are TOML files; three are built in. A profile is plain data:
-//! what a number does is told where it is used (converter, coefficient, hold).
-
-mod text;
-
-pub use text::{ProfileError, ProfileFault};
+//! none. A profile is plain data: what a number does is told where it is used
+//! (converter, coefficient, hold).
 
 use crate::{
     Tick,
     coefficient::CoefficientUnit,
     converter::{Converter, ConverterError},
     hold::{HoldKind, Settling},
-    user_file,
 };
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
 /// Overload level when a profile states none: |x| > 1.1 of a block's `max`.
 pub const DEFAULT_OVERLOAD_LEVEL: f64 = 1.1;
@@ -46,89 +41,48 @@ pub struct Sourced<T> {
     pub source: String,
 }
 
-/// Classes of block of which a machine has a certain number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum BlockClass {
-    /// Integrators, track/stores included.
-    Integrator,
-    /// Summers, inverters and other amplifiers that are no integrators.
-    Amplifier,
-    /// Multipliers, dividers, squares and square roots.
-    Multiplier,
-    /// Sine/cosine resolvers.
-    Resolver,
-    /// Function generators of any number of inputs.
-    FunctionGenerator,
-    /// Potentiometers set by hand or servo.
-    Potentiometer,
-    /// Digital coefficient units.
-    Dcu,
-    /// Digital-to-analog converters, the multiplying ones included.
-    Dac,
-    /// Multiplying digital-to-analog converters, which count as DACs too.
-    Mdac,
-    /// ADC channels.
-    AdcChannel,
-    /// Comparators and relays.
-    Comparator,
-    /// Electronic switches.
-    Switch,
-    /// Non-linear diode networks: dead zone, limiter, backlash, friction, abs.
-    DiodeNetwork,
-    /// Gates, flip-flops, one-shots, counters.
-    Logic,
-    /// Sense lines.
-    SenseLine,
-    /// Control lines.
-    ControlLine,
-    /// Interrupt lines.
-    InterruptLine,
+macro_rules! classes {
+    ($($class:ident $key:literal $about:literal;)+) => {
+        /// Classes of block of which a machine has a certain number.
+        #[derive(
+            Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+        )]
+        pub enum BlockClass {
+            $(#[doc = $about] $class,)+
+        }
+
+        impl BlockClass {
+            /// Every class, in the order of a table.
+            pub const ALL: &[BlockClass] = &[$(BlockClass::$class),+];
+
+            /// Its key in a profile's `[counts]`, also its name in tables.
+            pub fn key(self) -> &'static str {
+                match self {
+                    $(BlockClass::$class => $key,)+
+                }
+            }
+        }
+    };
 }
 
-impl BlockClass {
-    /// Every class, in the order of a table.
-    pub const ALL: [BlockClass; 17] = [
-        BlockClass::Integrator,
-        BlockClass::Amplifier,
-        BlockClass::Multiplier,
-        BlockClass::Resolver,
-        BlockClass::FunctionGenerator,
-        BlockClass::Potentiometer,
-        BlockClass::Dcu,
-        BlockClass::Dac,
-        BlockClass::Mdac,
-        BlockClass::AdcChannel,
-        BlockClass::Comparator,
-        BlockClass::Switch,
-        BlockClass::DiodeNetwork,
-        BlockClass::Logic,
-        BlockClass::SenseLine,
-        BlockClass::ControlLine,
-        BlockClass::InterruptLine,
-    ];
-
-    /// Its key in a profile's `[counts]`, also its name in tables.
-    pub fn key(self) -> &'static str {
-        match self {
-            BlockClass::Integrator => "integrators",
-            BlockClass::Amplifier => "amplifiers",
-            BlockClass::Multiplier => "multipliers",
-            BlockClass::Resolver => "resolvers",
-            BlockClass::FunctionGenerator => "function-generators",
-            BlockClass::Potentiometer => "potentiometers",
-            BlockClass::Dcu => "dcus",
-            BlockClass::Dac => "dacs",
-            BlockClass::Mdac => "mdacs",
-            BlockClass::AdcChannel => "adc-channels",
-            BlockClass::Comparator => "comparators",
-            BlockClass::Switch => "switches",
-            BlockClass::DiodeNetwork => "diode-networks",
-            BlockClass::Logic => "logic",
-            BlockClass::SenseLine => "sense-lines",
-            BlockClass::ControlLine => "control-lines",
-            BlockClass::InterruptLine => "interrupt-lines",
-        }
-    }
+classes! {
+    Integrator "integrators" "Integrators, track/stores included.";
+    Amplifier "amplifiers" "Summers, inverters and other amplifiers that are no integrators.";
+    Multiplier "multipliers" "Multipliers, dividers, squares and square roots.";
+    Resolver "resolvers" "Sine/cosine resolvers.";
+    FunctionGenerator "function-generators" "Function generators of any number of inputs.";
+    Potentiometer "potentiometers" "Potentiometers set by hand or servo.";
+    Dcu "dcus" "Digital coefficient units.";
+    Dac "dacs" "Digital-to-analog converters, the multiplying ones included.";
+    Mdac "mdacs" "Multiplying digital-to-analog converters, which count as DACs too.";
+    AdcChannel "adc-channels" "ADC channels.";
+    Comparator "comparators" "Comparators and relays.";
+    Switch "switches" "Electronic switches.";
+    DiodeNetwork "diode-networks" "Non-linear diode networks: dead zone, limiter, backlash, friction, abs.";
+    Logic "logic" "Gates, flip-flops, one-shots, counters.";
+    SenseLine "sense-lines" "Sense lines.";
+    ControlLine "control-lines" "Control lines.";
+    InterruptLine "interrupt-lines" "Interrupt lines.";
 }
 
 /// Analog-to-digital conversion.
@@ -209,9 +163,6 @@ pub struct Shortfall {
 }
 
 impl Profile {
-    /// Names of the built-in profiles.
-    pub const BUILT_IN: [&'static str; 3] = ["ideal", "paper-class", "ad4"];
-
     /// Every stage off and no limits.
     pub fn ideal() -> Profile {
         Profile {
@@ -230,20 +181,6 @@ impl Profile {
         }
     }
 
-    /// A built-in profile by name, or a user's file by path.
-    ///
-    /// # Errors
-    /// [`ProfileError`] with every fault of the file.
-    pub fn load(name_or_path: &str) -> Result<Profile, ProfileError> {
-        match built_in(name_or_path) {
-            Some(text) => Profile::parse(text, &format!("machines/{name_or_path}.toml")),
-            None => match user_file::read_text(Path::new(name_or_path)) {
-                Ok(text) => Profile::parse(&text, name_or_path),
-                Err(error) => Err(ProfileError::unreadable(name_or_path, &error)),
-            },
-        }
-    }
-
     /// Blocks of a class that the machine has; `None` is without limit.
     pub fn available(&self, class: BlockClass) -> Option<u32> {
         self.counts.get(&class).map(|count| count.value)
@@ -253,8 +190,8 @@ impl Profile {
     pub fn shortfalls(&self, needed: &BTreeMap<BlockClass, u32>) -> Vec<Shortfall> {
         let need = |class: &BlockClass| needed.get(class).copied().unwrap_or(0);
         BlockClass::ALL
-            .into_iter()
-            .filter_map(|class| {
+            .iter()
+            .filter_map(|&class| {
                 let needed = match class {
                     BlockClass::Dac => {
                         need(&BlockClass::Dac).saturating_add(need(&BlockClass::Mdac))
@@ -357,15 +294,3 @@ fn converter(
 fn duration(tick: Option<&Sourced<Tick>>) -> Tick {
     tick.map_or(Tick::ZERO, |tick| tick.value)
 }
-
-fn built_in(name: &str) -> Option<&'static str> {
-    match name {
-        "ideal" => Some(include_str!("../../../patch-files/machines/ideal.toml")),
-        "paper-class" => Some(include_str!("../../../patch-files/machines/paper-class.toml")),
-        "ad4" => Some(include_str!("../../../patch-files/machines/ad4.toml")),
-        _ => None,
-    }
-}
-
-#[cfg(test)]
-mod tests;

@@ -1,10 +1,13 @@
 //! The analog side of a session: answers requests, then runs the frame cycle.
 //!
 //! One loop for every link. In a run it is the only one who knows when samples
-//! are taken and transfers take effect ([`crate::frame_cycle`]).
+//! are taken and transfers take effect ([`crate::session::frame_cycle`]).
 
 use crate::{
-    channels::Channels, frame_cycle, order::Ordered, patch, static_check::static_check, tolerance,
+    order::Ordered,
+    patch,
+    session::{channels::Channels, frame_cycle, static_check::static_check},
+    tolerance,
 };
 use engine::{
     id::{BlockId, NetId},

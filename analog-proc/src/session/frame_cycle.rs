@@ -4,7 +4,7 @@
 //! are published. Updates n take effect together at their instant of transfer:
 //! in lock-step at `t_n + τ`, to which the array integrates while the digital
 //! side computes; free-running when they arrive by the wall clock
-//! ([`crate::free_run`]); in a replay when they did so then. Where a sample and a
+//! ([`crate::session::free_run`]); in a replay when they did so then. Where a sample and a
 //! transfer fall on one instant, the sample comes first.
 //!
 //! The array is only ever integrated to such an instant, and the instants are
@@ -16,7 +16,7 @@
 //! quadrature: exact for a signal of fifth degree in the aperture. What precedes the start of the
 //! run, or the end of the scan before, counts as standing still.
 
-use crate::{channels::Channels, free_run::FreeRun};
+use crate::session::{channels::Channels, free_run::FreeRun};
 use engine::{
     fault::RunFault,
     mode::Mode,
