@@ -17,6 +17,10 @@ use crate::signal::Signal;
 /// Region of an element that has not been settled yet.
 pub const UNSET: u32 = u32::MAX;
 
+/// Regions of an arctangent: y ≥ 0, y < 0, and y ≤ 0 of a vector that leaves zero downward.
+pub(crate) const LOWER_SHEET: u32 = 1;
+pub(crate) const LEFT_DOWNWARD: u32 = 2;
+
 /// What cannot be passed: it ends the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fatal {
@@ -168,9 +172,11 @@ impl Piecewise {
                 let table = &m.tables[cell.table as usize];
                 table.sides(region, cell.x.of(nets), cell.y.of(nets), put);
             }
-            Piecewise::Sheet { y } => {
-                put(if region == 0 { -y.of(nets) } else { closed(y.of(nets)) })
-            }
+            Piecewise::Sheet { y } => put(match region {
+                0 => -y.of(nets),
+                LOWER_SHEET => closed(y.of(nets)),
+                _ => y.of(nets),
+            }),
             Piecewise::Divisor { u } => {
                 put(closed(if region == 0 { -u.of(nets) } else { u.of(nets) }))
             }
