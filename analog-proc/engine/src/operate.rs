@@ -218,9 +218,10 @@ impl Engine {
 
     fn load_functions(&mut self) {
         for function in &self.machine.digital_functions {
-            function.load(&self.machine.breakpoints, &mut self.frozen);
+            let Frozen { dcus, pieces, .. } = &mut self.frozen;
+            function.load(&self.machine.breakpoints, dcus, pieces);
         }
-        self.machine.kernel.load(&mut self.frozen);
+        self.machine.load(&mut self.frozen);
     }
 
     pub fn derivative_pass(&mut self) -> f64 {
