@@ -25,3 +25,4 @@ pub mod remark;
 #[allow(missing_docs)]
 pub mod signal;
 pub mod simulation;
+mod statistics;

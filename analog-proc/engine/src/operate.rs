@@ -36,7 +36,7 @@ use crate::machine::{Frozen, Machine};
 use crate::overload::LatchedOverload;
 use crate::remark::Remark;
 use crate::signal::{Doubted, Rated};
-use crate::simulation::Statistics;
+use crate::statistics::Statistics;
 use guard::Switched;
 use instants::resolution_s;
 use nalgebra::DMatrix;
