@@ -16,28 +16,13 @@
 
 mod fold;
 mod rows;
+mod weights;
 
 pub use fold::fold;
 
 use crate::op::{Op, Slot};
 use rows::Rows;
-
-/// Where a weight stands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Place {
-    /// In the flat array of the rows and long sums.
-    Row(usize),
-    /// The `k`-th of a folded operation.
-    Step { index: usize, k: usize },
-}
-
-/// A weight that coefficient units take part in: `base · Π dcus`.
-#[derive(Clone, Debug)]
-pub(crate) struct Scaled {
-    pub(crate) place: Place,
-    pub(crate) base: f64,
-    pub(crate) dcus: Vec<u32>,
-}
+pub(crate) use weights::{Place, Scaled};
 
 /// One folded operation, with its weights.
 #[derive(Clone, Copy, Debug)]
