@@ -1,7 +1,7 @@
 //! With `--json` every command writes one object of one form (`tests/outcome.schema.json`),
 //! whatever becomes of it.
 
-use crate::bench_top::{ANALOG, BenchTop, DIGITAL, expect, partner_of, signal, wait_within};
+use crate::bench_top::{ANALOG, BenchTop, DIGITAL, expect, partner_of, signal, until, wait_within};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::{process::Output, time::Duration};
@@ -181,7 +181,9 @@ fn a_lost_partner_and_an_interrupt_have_the_same_form() {
         let bench = BenchTop::new();
         let flight = bench.fly(&["--frame", "200us", "--fast", "1", "--json"]).spawn().unwrap();
         let partner = partner_of(&flight);
-        std::thread::sleep(Duration::from_millis(300));
+        until("the trace", Duration::from_secs(20), || {
+            bench.run_directories().iter().any(|d| d.join("trace.arrow").is_file()).then_some(())
+        });
         match code {
             3 => signal(partner, Signal::KILL),
             _ => signal(flight.id(), Signal::INT),

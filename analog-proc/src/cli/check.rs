@@ -40,7 +40,7 @@ impl PatchArgs {
             let faults = f.to_list().into_iter().map(told).collect();
             Failure { faults, ..Failure::input(text) }
         };
-        let profile = desk::profile::load(&self.profile).map_err(Failure::input)?;
+        let profile = desk::profile::load(&self.profile)?;
         let bundle = patch::bundle_from_path(&self.patch).map_err(faults)?;
         let mut ordered = patch::compile(&bundle, &self.params).map_err(faults)?;
         crate::check::against_profile(&ordered, &profile).map_err(faults)?;

@@ -17,9 +17,6 @@ macro_rules! channel_set {
         pub struct $set { $(#[doc = concat!("Channel `", stringify!($field), "`.")] pub $field: usize),* }
 
         impl $set {
-            /// How many channels these are.
-            pub const COUNT: u32 = [$(stringify!($field)),*].len() as u32;
-
             fn resolve(console: &Console<'_>) -> Result<$set, ConsoleFault> {
                 Ok($set { $($field: console.channel($kind, stringify!($field))?),* })
             }
@@ -61,21 +58,14 @@ channel_set!(
 /// Every channel of the stage patch.
 #[derive(Clone, Debug)]
 pub struct StageChannels {
-    /// ADCs.
     pub adc: Sampled,
-    /// DACs.
     pub dac: Signals,
-    /// DCUs.
     pub dcu: Coefficients,
-    /// Control lines.
     pub line: Lines,
 }
 
 impl StageChannels {
     /// Finds the channels of the loaded patch.
-    ///
-    /// # Errors
-    /// [`ConsoleFault::NoChannel`] for the first one that the patch lacks.
     pub fn resolve(console: &Console<'_>) -> Result<StageChannels, ConsoleFault> {
         Ok(StageChannels {
             adc: Sampled::resolve(console)?,
@@ -106,7 +96,9 @@ pub struct AttitudeSample {
 }
 
 impl Sampled {
-    /// Reads one frame.
+    /// How many there are: each is one number.
+    pub const COUNT: u32 = (size_of::<Sampled>() / size_of::<usize>()) as u32;
+
     pub fn read(&self, samples: &Samples) -> AttitudeSample {
         let at = |channel: usize| samples.adc[channel];
         AttitudeSample {

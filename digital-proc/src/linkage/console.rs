@@ -129,9 +129,6 @@ impl<'p> Console<'p> {
     }
 
     /// Number of the channel `name` of `kind`.
-    ///
-    /// # Errors
-    /// [`ConsoleFault::NoChannel`] with the nearest name.
     pub fn channel(&self, kind: ChannelKind, name: &str) -> Result<usize, ConsoleFault> {
         let of_kind = || self.channels.iter().filter(move |c| c.kind == kind);
         of_kind().find(|c| c.name == name).map(|c| c.number as usize).ok_or_else(|| {
@@ -149,33 +146,21 @@ impl<'p> Console<'p> {
     }
 
     /// Pot-set: values for `[params]` entries; the machine goes to IC.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
     pub fn set_params(&mut self, params: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
         self.done("pot-set", &Request::SetParams(params))
     }
 
     /// Initial conditions by integrator name; the machine goes to IC.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
     pub fn set_ics(&mut self, ics: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
         self.done("the initial conditions", &Request::SetIcs(ics))
     }
 
     /// DACs, DCUs and control lines by name, while not operating.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
     pub fn preset(&mut self, values: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
         self.done("the preset", &Request::Preset(values))
     }
 
     /// Net values now, in IC or HOLD.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
     pub fn read(&mut self, nets: Vec<String>) -> Result<Vec<f64>, ConsoleFault> {
         match request(self.port, &Request::Read(nets))? {
             Reply::Values(values) => Ok(values),
@@ -184,9 +169,6 @@ impl<'p> Console<'p> {
     }
 
     /// What ended the last run, and latched overloads.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when the partner is gone.
     pub fn diagnose(&mut self) -> Result<Diagnosis, ConsoleFault> {
         match request(self.port, &Request::Diagnose)? {
             Reply::Diagnosis { fault, overloads } => Ok(Diagnosis { fault, overloads }),
@@ -224,9 +206,6 @@ impl<'p> Console<'p> {
     }
 
     /// Ends the session.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when the partner is gone already.
     pub fn bye(self) -> Result<(), ConsoleFault> {
         match request(self.port, &Request::Bye)? {
             Reply::Done => Ok(()),

@@ -236,9 +236,6 @@ impl Table {
     }
 
     /// Every digit of its numbers, the unit in brackets in the heading.
-    ///
-    /// # Errors
-    /// Those of the writer, which has nothing but memory to fail.
     pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(self.headings.iter().map(|h| {
