@@ -12,7 +12,6 @@ use digital_proc::{
         run::{LongPeriodPlan, run},
     },
 };
-use interface::profile::Profile;
 use vehicle::{Vehicle, VehicleData, failure_file::FailureFile, flight_mode::FlightScript};
 
 fn modes(names: &[&str]) -> Vec<FlightScript> {

@@ -7,7 +7,7 @@ use digital_proc::{
     flight::{AlphaPath, FlightPlan, FrameResult, Stage, Timing},
     launch::{AnalogEntry, LinkChoice, Started},
 };
-use interface::{Tick, frame::Samples, profile::Profile};
+use interface::{Tick, frame::Samples};
 use vehicle::{
     Vehicle,
     flight_summary::FlightSample,

@@ -134,9 +134,9 @@ mod tests {
         let of_action =
             |action: &str| format!("[[mode]]\nname = \"a\"\nactions = [{{ {action} }}]");
         for (text, told) in [
-            (of_action("at-s = -1.0, tip-2 = 0.0"), "my.toml:3:22: `mode.actions.at-s` = -1"),
+            (of_action("at-s = -1.0, tip-2 = 0.0"), "my.toml:3:21: `mode.actions.at-s` = -1"),
             (of_action("at-s = 3.0"), "my.toml:3:12: an action that does nothing"),
-            (of_action("at-s = 3.0, roll-gain = nan"), "my.toml:3:36: "),
+            (of_action("at-s = 3.0, roll-gain = nan"), "my.toml:3:38: "),
             (of_action("at-s = 3.0, roll-gain = 1e3"), "at most 100"),
             (of_action("at-s = 0.0, rol-gain = 0.0"), "did you mean `roll-gain`?"),
             (of_action("at-s = 0.0, sequencer = \"frozn\""), "did you mean `frozen`?"),

@@ -121,6 +121,11 @@ impl<R> Column<R> {
         self.heading.digits = digits;
         self
     }
+
+    /// A column with so many digits whose accessor needs no type: in a list the first one's tells.
+    pub fn of(label: &str, unit: &str, digits: usize, of: fn(&R) -> Cell) -> Column<R> {
+        Column { heading: Heading::new(label, unit).digits(digits), of }
+    }
 }
 
 /// A table. Rows shorter than the headings are filled with blanks; longer ones are cut.
