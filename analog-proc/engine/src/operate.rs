@@ -36,7 +36,7 @@ use crate::machine::{Frozen, Machine};
 use crate::overload::LatchedOverload;
 use crate::remark::Remark;
 use crate::signal::{Doubted, Rated};
-use crate::simulation::Statistics;
+use crate::statistics::Statistics;
 use guard::Switched;
 use instants::resolution_s;
 use nalgebra::DMatrix;
@@ -117,6 +117,7 @@ impl Engine {
             doubted: false,
         };
         let zeros = || vec![0.0; sides];
+        let scheme = Scheme::new(integration.method, states);
         Engine {
             frozen: machine.frozen(),
             ics: machine.ics.clone(),
@@ -124,7 +125,6 @@ impl Engine {
             probe: machine.initial_nets.clone(),
             before: vec![0.0; slots],
             step: Step::new(states),
-            scheme: Scheme::new(integration.method, states),
             atol: vec![0.0; states],
             largest: vec![0.0; states],
             turned: vec![false; states],
@@ -151,7 +151,8 @@ impl Engine {
             margins: vec![Rated::default(); sides],
             margins_low: vec![Rated::default(); sides],
             margins_high: vec![Rated::default(); sides],
-            paces: Paces::new(&machine),
+            paces: Paces::new(&machine, scheme.adaptive()),
+            scheme,
             past: Vec::new(),
             happenings: Happenings::default(),
             overloads: Vec::new(),
@@ -217,9 +218,10 @@ impl Engine {
 
     fn load_functions(&mut self) {
         for function in &self.machine.digital_functions {
-            function.load(&self.machine.breakpoints, &mut self.frozen);
+            let Frozen { dcus, pieces, .. } = &mut self.frozen;
+            function.load(&self.machine.breakpoints, dcus, pieces);
         }
-        self.machine.kernel.load(&mut self.frozen);
+        self.machine.load(&mut self.frozen);
     }
 
     pub fn derivative_pass(&mut self) -> f64 {

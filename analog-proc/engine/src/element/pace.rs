@@ -26,6 +26,16 @@ const GROWTH: f64 = 4.0;
 /// block itself tells whether it passes through.
 const NEAR_ZERO: f64 = 1e-12;
 
+/// A vector that is no longer than this part of its greatest value, and that its rate brings to
+/// zero or back within some resolutions of time, is at its origin; a longer one spins.
+const AT_ORIGIN: f64 = 1e-9;
+const ORIGIN_SPAN: f64 = 64.0;
+
+/// Fixed steps have no error that is controlled: of all this but the turn of sines, which is what
+/// their length is chosen for, so much is left to them. Simpson's rule over a pole then errs by 1e-4
+/// of what it adds up.
+const FIXED_PART: f64 = 0.125;
+
 /// A step that turns out longer than its bound by this factor is not accepted.
 const SLACK: f64 = 1.5;
 
@@ -50,6 +60,48 @@ pub enum Pace {
     Pole(Slot),
     /// A delay line.
     Line(u32),
+}
+
+/// The vector of an arctangent.
+struct Vector {
+    y: Rated,
+    x: Rated,
+}
+
+impl Vector {
+    #[inline(always)]
+    fn of(y: Term, x: Term, nets: &[Rated]) -> Vector {
+        Vector { y: y.of(nets), x: x.of(nets) }
+    }
+
+    #[inline(always)]
+    fn square(&self) -> f64 {
+        self.x.value * self.x.value + self.y.value * self.y.value
+    }
+
+    /// The rate of its angle, times its square.
+    #[inline(always)]
+    fn turn(&self) -> f64 {
+        self.x.value * self.y.rate - self.y.value * self.x.rate
+    }
+
+    /// Half the rate of its square.
+    #[inline(always)]
+    fn growth(&self) -> f64 {
+        self.x.value * self.x.rate + self.y.value * self.y.rate
+    }
+
+    fn size(&self) -> f64 {
+        self.x.value.abs().max(self.y.value.abs())
+    }
+
+    fn is_zero(&self) -> bool {
+        self.x.value == 0.0 && self.y.value == 0.0
+    }
+
+    fn moves(&self) -> bool {
+        self.x.rate != 0.0 || self.y.rate != 0.0
+    }
 }
 
 impl Pace {
@@ -83,13 +135,30 @@ impl Pace {
     /// The longest step from here, s; `largest` is the greatest magnitude that a divisor or
     /// radicand has had.
     #[inline]
-    fn limit_s(&self, lines: &[DelayLine], t_s: f64, nets: &[Rated], largest: f64) -> f64 {
+    fn limit_s(
+        &self,
+        lines: &[DelayLine],
+        t_s: f64,
+        nets: &[Rated],
+        largest: f64,
+        part: f64,
+    ) -> f64 {
         match *self {
             Pace::Angle(term, turn) => turn / (term.c * nets[term.slot as usize].rate).abs(),
             Pace::Direction { y, x, .. } => {
-                let (y, x): (Rated, Rated) = (y.of(nets), x.of(nets));
-                let turn = (x.value * y.rate - y.value * x.rate).abs();
-                TURN * (x.value * x.value + y.value * y.value) / turn
+                let vector = Vector::of(y, x, nets);
+                let (square, growth) = (vector.square(), vector.growth());
+                if square < f64::MIN_POSITIVE {
+                    return f64::INFINITY;
+                }
+                let radial_s = if growth < 0.0 {
+                    APPROACH * square / -growth
+                } else if part < 1.0 {
+                    GROWTH * square / growth
+                } else {
+                    f64::INFINITY
+                };
+                part * radial_s.min(TURN * square / vector.turn().abs())
             }
             Pace::Pole(slot) => {
                 let u = nets[slot as usize];
@@ -97,8 +166,7 @@ impl Pace {
                     return f64::INFINITY;
                 }
                 let towards = u.value * u.rate < 0.0;
-                let part = if towards { APPROACH } else { GROWTH };
-                part * (u.value / u.rate).abs()
+                part * if towards { APPROACH } else { GROWTH } * (u.value / u.rate).abs()
             }
             Pace::Line(line) => lines[line as usize].reach_s(t_s),
         }
@@ -107,7 +175,7 @@ impl Pace {
     /// Whether the step of `h_s` that ends here stayed within the bound, seen from its end. A vector
     /// that passes zero is refused: its angle jumps.
     #[inline]
-    fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
+    fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64, part: f64) -> bool {
         match *self {
             Pace::Angle(term, turn) => {
                 let slot = term.slot as usize;
@@ -116,18 +184,20 @@ impl Pace {
                 term.c.abs() * most <= SLACK * turn
             }
             Pace::Direction { y, x, .. } => {
-                let (y0, x0): (Rated, Rated) = (y.of(start), x.of(start));
-                let (y, x): (Rated, Rated) = (y.of(end), x.of(end));
-                let turn = h_s * (x.value * y.rate - y.value * x.rate).abs();
-                let ahead = x0.value * x.value + y0.value * y.value;
-                let across = (x0.value * y.value - y0.value * x.value).abs();
-                turn <= SLACK * TURN * (x.value * x.value + y.value * y.value)
+                let (from, to) = (Vector::of(y, x, start), Vector::of(y, x, end));
+                // At its origin it has the angle of its rate, which an event finds.
+                let lost = if to.is_zero() { to.moves() } else { from.is_zero() && !from.moves() };
+                let ahead = from.x.value * to.x.value + from.y.value * to.y.value;
+                let across = (from.x.value * to.y.value - from.y.value * to.x.value).abs();
+                !lost
+                    && h_s * to.turn().abs() <= part * SLACK * TURN * to.square()
+                    && -h_s * to.growth() <= part * SLACK * GROWTH * to.square()
                     && across <= MOST_TURN * ahead
             }
             Pace::Pole(slot) => {
                 let u = end[slot as usize];
                 u.value.abs() <= NEAR_ZERO * largest
-                    || h_s * u.rate.abs() <= SLACK * GROWTH * u.value.abs()
+                    || h_s * u.rate.abs() <= part * SLACK * GROWTH * u.value.abs()
             }
             Pace::Line(_) => true,
         }
@@ -137,16 +207,24 @@ impl Pace {
 /// What is known of the paces of a running machine.
 #[derive(Clone, Debug)]
 pub struct Paces {
-    /// The greatest magnitude of each divisor or radicand so far.
+    /// The greatest magnitude of each divisor, radicand or vector so far.
     largest: Vec<f64>,
+    /// Of the bounds, what the method is given.
+    part: f64,
     /// The longest step from here, s, and what bounds it.
     pub limit_s: f64,
     pub bounded_by: usize,
 }
 
 impl Paces {
-    pub fn new(machine: &Machine) -> Paces {
-        Paces { largest: vec![0.0; machine.paces.len()], limit_s: f64::INFINITY, bounded_by: 0 }
+    /// `adaptive`: the steps' error is controlled.
+    pub fn new(machine: &Machine, adaptive: bool) -> Paces {
+        Paces {
+            largest: vec![0.0; machine.paces.len()],
+            part: if adaptive { 1.0 } else { FIXED_PART },
+            limit_s: f64::INFINITY,
+            bounded_by: 0,
+        }
     }
 
     pub fn reset(&mut self) {
@@ -157,10 +235,13 @@ impl Paces {
     pub fn look(&mut self, machine: &Machine, lines: &[DelayLine], t_s: f64, nets: &[Rated]) {
         self.limit_s = f64::INFINITY;
         for (i, (pace, _)) in machine.paces.iter().enumerate() {
-            if let Pace::Pole(slot) = pace {
-                self.largest[i] = self.largest[i].max(nets[*slot as usize].value.abs());
-            }
-            let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i]);
+            let size = match *pace {
+                Pace::Pole(slot) => nets[slot as usize].value.abs(),
+                Pace::Direction { y, x, .. } => Vector::of(y, x, nets).size(),
+                Pace::Angle(..) | Pace::Line(_) => 0.0,
+            };
+            self.largest[i] = self.largest[i].max(size);
+            let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i], self.part);
             // What does not move has no bound, even where it is not defined.
             if limit_s < self.limit_s {
                 (self.limit_s, self.bounded_by) = (limit_s, i);
@@ -168,10 +249,33 @@ impl Paces {
         }
     }
 
+    /// The element of a vector that is at its origin as far as time is resolved, to
+    /// `resolution_s`: of what bounds the step, where that is too short (`bounded`); else one that
+    /// is about to pass.
+    pub fn at_origin(
+        &self,
+        machine: &Machine,
+        resolution_s: f64,
+        nets: &[Rated],
+        bounded: bool,
+    ) -> Option<u32> {
+        machine.paces.iter().enumerate().find_map(|(i, (pace, _))| {
+            let Pace::Direction { e, y, x } = *pace else {
+                return None;
+            };
+            let vector = Vector::of(y, x, nets);
+            let (size, rate) = (vector.size(), vector.x.rate.abs().max(vector.y.rate.abs()));
+            let near =
+                size <= AT_ORIGIN * self.largest[i] && size <= ORIGIN_SPAN * resolution_s * rate;
+            let causes = if bounded { i == self.bounded_by } else { size > 0.0 };
+            (near && causes).then_some(e)
+        })
+    }
+
     /// Whether the step of `h_s` between these nets hid nothing.
     pub fn kept(&mut self, machine: &Machine, h_s: f64, start: &[Rated], end: &[Rated]) -> bool {
         for (i, (pace, _)) in machine.paces.iter().enumerate() {
-            if !pace.kept(h_s, start, end, self.largest[i]) {
+            if !pace.kept(h_s, start, end, self.largest[i], self.part) {
                 self.bounded_by = i;
                 return false;
             }
