@@ -4,10 +4,7 @@
 //! stage patch must have every channel named here; it may have more.
 
 use crate::console::{Console, ConsoleFault};
-use interface::{
-    control::ChannelKind,
-    frame::{Samples, Updates},
-};
+use interface::{control::ChannelKind, frame::Samples};
 
 /// Declares a set of channels of one kind: a field each, resolved by its own name.
 macro_rules! channel_set {
@@ -111,27 +108,4 @@ impl Sampled {
             control_force_n: at(self.adc_control),
         }
     }
-}
-
-/// The updates as presets by name, to be set before OPERATE.
-pub fn as_presets(console: &Console<'_>, updates: &Updates) -> Vec<(String, f64)> {
-    let set = |mask: u64, bit: u32| mask >> bit & 1 == 1;
-    console
-        .channels()
-        .iter()
-        .filter_map(|channel| {
-            let n = channel.number;
-            let value = match channel.kind {
-                ChannelKind::Dac if set(updates.dac_mask, n) => updates.dac[n as usize],
-                ChannelKind::Dcu if set(updates.dcu_mask[n as usize / 64], n % 64) => {
-                    updates.dcu[n as usize]
-                }
-                ChannelKind::Control if set(updates.control_mask, n) => {
-                    f64::from(u8::from(set(updates.control, n)))
-                }
-                _ => return None,
-            };
-            Some((channel.name.clone(), value))
-        })
-        .collect()
 }

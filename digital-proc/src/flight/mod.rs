@@ -283,7 +283,5 @@ fn preset(
     samples.adc[adc.adc_alpha] = incidence_rad;
     let mut updates = Updates::new(0, Tick::ZERO);
     law.frame(&samples, &mut updates)?;
-    let presets = channels::as_presets(console, &updates);
-    console.preset(presets)?;
-    Ok(())
+    Ok(console.preset(&updates)?)
 }

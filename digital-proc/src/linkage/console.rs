@@ -155,9 +155,31 @@ impl<'p> Console<'p> {
         self.done("the initial conditions", &Request::SetIcs(ics))
     }
 
-    /// DACs, DCUs and control lines by name, while not operating.
-    pub fn preset(&mut self, values: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
-        self.done("the preset", &Request::Preset(values))
+    /// DACs, DCUs and control lines by name (1 or 0), to be preset.
+    pub fn settings(&self, values: &[(&str, f64)]) -> Result<Updates, ConsoleFault> {
+        use ChannelKind::{Control, Dac, Dcu};
+        let mut updates = Updates::new(0, Tick::ZERO);
+        let is_settable = |c: &&Channel| matches!(c.kind, Dac | Dcu | Control);
+        for &(name, value) in values {
+            let all = || self.channels.iter().filter(is_settable);
+            let channel = all().find(|c| c.name == name).ok_or_else(|| {
+                let remedy = suggestion(name, all().map(|c| c.name.as_str()));
+                let kind = "DAC, DCU or control line";
+                ConsoleFault::NoChannel { kind, name: name.to_owned(), remedy }
+            })?;
+            let number = channel.number as usize;
+            match channel.kind {
+                Dac => updates.set_dac(number, value),
+                Dcu => updates.set_dcu(number, value),
+                _ => updates.set_control(number, value != 0.0),
+            }
+        }
+        Ok(updates)
+    }
+
+    /// Lets updates take effect while the machine does not operate.
+    pub fn preset(&mut self, updates: &Updates) -> Result<(), ConsoleFault> {
+        self.done("the preset", &Request::Preset(*updates))
     }
 
     /// Net values now, in IC or HOLD.

@@ -151,9 +151,12 @@ fn chronological(name: &str) -> (String, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::tests::sample;
-    use super::super::{RunDirectory, UtcSecond};
+    use super::super::{RunDirectory, RunRecord, UtcSecond};
     use super::*;
+
+    fn sample() -> RunRecord {
+        RunRecord::begin("fly normal", UtcSecond(0), "ideal", "shm")
+    }
 
     fn base_with(commands: &[(&str, i64)]) -> tempfile::TempDir {
         let base = tempfile::tempdir().unwrap();
