@@ -57,9 +57,6 @@ pub struct Recorder {
 
 impl Recorder {
     /// Opens `path`: `.arrow` for an Arrow IPC stream, `-` for CSV on standard output, else CSV.
-    ///
-    /// # Errors
-    /// [`RecordFault`] naming the path.
     pub fn create<'n>(
         path: &Path,
         names: impl Iterator<Item = &'n str>,
@@ -90,9 +87,6 @@ impl Recorder {
     }
 
     /// Adds one row: time in s, values in problem units.
-    ///
-    /// # Errors
-    /// [`RecordFault`] when the file cannot take it.
     pub fn row(&mut self, time_s: f64, values: &[f64]) -> Result<(), RecordFault> {
         let row = std::iter::once(time_s).chain(values.iter().copied());
         let mut reader_left = false;
@@ -119,9 +113,6 @@ impl Recorder {
     }
 
     /// Writes what is still buffered and ends the file.
-    ///
-    /// # Errors
-    /// [`RecordFault`] when the file cannot take it.
     pub fn finish(self) -> Result<(), RecordFault> {
         let mut reader_left = false;
         let done = match self.sink {

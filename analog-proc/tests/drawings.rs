@@ -6,7 +6,6 @@ use analog_proc::order::Ordered;
 use analog_proc::patch::{bundle_from_path, compile};
 use interface::control::PatchBundle;
 use std::path::Path;
-use svg::parser::Event;
 
 fn load(name: &str) -> Ordered {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patch-files");
@@ -23,18 +22,13 @@ fn from_text(text: &str) -> Ordered {
 fn texts(drawing: &str) -> Vec<String> {
     let mut open = Vec::new();
     let mut found = Vec::new();
-    for event in svg::read(drawing).unwrap() {
-        match event {
-            Event::Error(error) => panic!("{error}"),
-            Event::Tag(name, svg::node::element::tag::Type::Start, _) => {
-                open.push(name.to_owned());
-            }
-            Event::Tag(name, svg::node::element::tag::Type::End, _) => {
-                assert_eq!(open.pop().as_deref(), Some(name));
-            }
-            Event::Text(text) => found.push(text.trim().to_owned()),
-            _ => {}
+    for part in drawing.split('<').skip(1) {
+        let (tag, text) = part.split_once('>').unwrap();
+        match tag.strip_prefix('/') {
+            Some(name) => assert_eq!(open.pop(), Some(name)),
+            None => open.push(tag.split(' ').next().unwrap()),
         }
+        found.push(text.trim().to_owned());
     }
     assert!(open.is_empty(), "not closed: {open:?}");
     found

@@ -106,6 +106,19 @@ fn spec(skew: Tick) -> RunSpec {
     }
 }
 
+/// Settings of `d` and `c`, and of a DAC that is not there.
+fn preset(values: &[(&str, f64)]) -> Request {
+    let mut updates = Updates::new(0, Tick::ZERO);
+    for &(name, value) in values {
+        match name {
+            "d" => updates.set_dac(3, value),
+            "c" => updates.set_dcu(70, value),
+            _ => updates.set_dac(9, value),
+        }
+    }
+    Request::Preset(updates)
+}
+
 fn values(values: &[(&str, f64)]) -> Vec<(String, f64)> {
     values.iter().map(|(n, v)| ((*n).into(), *v)).collect()
 }
@@ -128,7 +141,7 @@ fn a_run_that_starts_beyond_a_range_says_so_in_its_first_frame() {
     let mut session = Session::load(limited());
     let flags = |s: &Samples| (s.dac_saturated, s.dcu_saturated);
     let nothing = (0, [0, 0]);
-    session.does(Request::Preset(values(&[("c", 1.5), ("d", -12.0)])));
+    session.does(preset(&[("c", 1.5), ("d", -12.0)]));
     // Twice: what stands beyond a range is told in every run that starts from it.
     for _ in 0..2 {
         let samples = session.run();
@@ -138,7 +151,7 @@ fn a_run_that_starts_beyond_a_range_says_so_in_its_first_frame() {
         assert_eq!(flags(&samples[2]), nothing);
     }
     // What was put right before the run is forgotten.
-    session.does(Request::Preset(values(&[("c", 0.75), ("d", 5.0)])));
+    session.does(preset(&[("c", 0.75), ("d", 5.0)]));
     let samples = session.run();
     assert!(samples.iter().all(|s| flags(s) == nothing));
     assert_eq!(&samples[0].adc[..2], [5.0, 0.75]);
@@ -148,7 +161,6 @@ fn a_run_that_starts_beyond_a_range_says_so_in_its_first_frame() {
 #[test]
 fn a_refused_request_changes_nothing() {
     let mut session = Session::load(Profile::ideal());
-    let preset = |v: &[(&str, f64)]| Request::Preset(values(v));
     let ics = |v: &[(&str, f64)]| Request::SetIcs(values(v));
     session.does(ics(&[("x", 4.0)]));
     session.does(preset(&[("d", 0.5)]));
@@ -158,8 +170,8 @@ fn a_refused_request_changes_nothing() {
         // Later entries that cannot be.
         (ics(&[("x", 5.0), ("nobody", 1.0)]), "nobody"),
         (ics(&[("x", 5.0), ("z", f64::NAN)]), "`z`"),
-        (preset(&[("d", 1.0), ("c", 0.75), ("x", 1.0)]), "`x`"),
-        (preset(&[("d", 1.0), ("c", f64::INFINITY)]), "`c`"),
+        (preset(&[("d", 1.0), ("c", 0.75), ("nobody", 1.0)]), "channel"),
+        (preset(&[("d", 1.0), ("c", f64::INFINITY)]), "DCU 70"),
         // Each can be set, but not together with the patch: `r` is 1/x and `q` is 1/c.
         (ics(&[("z", 5.0), ("x", 0.0)]), "`r`"),
         (preset(&[("d", 1.0), ("c", 0.0)]), "`q`"),
@@ -173,7 +185,7 @@ fn a_refused_request_changes_nothing() {
     }
     // The last of several values for one name counts.
     session.does(ics(&[("x", 5.0), ("z", 6.0), ("x", 7.0)]));
-    session.does(preset(&[("c", 0.125), ("d", 2.0), ("c", 0.25)]));
+    session.does(preset(&[("c", 0.25), ("d", 2.0)]));
     assert_eq!(session.start(), [2.0, 0.25, 7.0, 6.0]);
     session.bye();
 }

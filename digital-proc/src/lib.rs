@@ -6,10 +6,10 @@
 
 pub mod cli;
 pub mod flight;
+mod lab;
 pub mod linkage;
 mod matrix_exp;
 pub mod report;
-pub mod sampling;
 pub mod study;
 
 pub use linkage::{console, executive, launch, saturation};

@@ -3,7 +3,7 @@
 //! One request, one reply, bincode on the wire. Nothing here crosses during a
 //! frame; while a run operates only frames flow.
 
-use crate::{Tick, profile::Profile};
+use crate::{Tick, frame::Updates, profile::Profile};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -125,8 +125,8 @@ pub enum Request {
     SetParams(Vec<(String, f64)>),
     /// New initial conditions by integrator name; the machine goes to IC.
     SetIcs(Vec<(String, f64)>),
-    /// Sets DACs (problem units), DCUs and control lines (0 or 1) while not operating, by block name.
-    Preset(Vec<(String, f64)>),
+    /// Sets DACs, DCUs and control lines while not operating.
+    Preset(Updates),
     /// Values of nets now (in IC or HOLD).
     Read(Vec<String>),
     /// Outputs and derivatives at IC against the values expected in the patch.

@@ -119,8 +119,8 @@ pub struct Samples {
     pub late: Tick,
 }
 
-/// Updates n: digital to analog.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Updates n: digital to analog. As a preset they are part of a request.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[repr(C)]
 pub struct Updates {
     /// Frame number n.
@@ -140,8 +140,10 @@ pub struct Updates {
     /// Reserved, zero.
     pub reserved: u32,
     /// DAC values in problem units, by channel.
+    #[serde(with = "values")]
     pub dac: [f64; DAC_CHANNELS],
     /// DCU coefficients, by channel.
+    #[serde(with = "values")]
     pub dcu: [f64; DCU_CHANNELS],
 }
 
@@ -224,6 +226,27 @@ impl Updates {
         }
     }
 
+    /// What DAC `channel` is set to, if it is.
+    pub fn new_dac(&self, channel: usize) -> Option<f64> {
+        (self.dac_mask >> channel & 1 == 1).then(|| self.dac[channel])
+    }
+
+    /// What DCU `channel` is set to, if it is.
+    pub fn new_dcu(&self, channel: usize) -> Option<f64> {
+        (self.dcu_mask[channel / 64] >> (channel % 64) & 1 == 1).then(|| self.dcu[channel])
+    }
+
+    /// What control `line` is set to, if it is.
+    pub fn new_control(&self, line: usize) -> Option<bool> {
+        (self.control_mask >> line & 1 == 1).then(|| self.control >> line & 1 == 1)
+    }
+
+    /// How many channels and lines are set.
+    pub fn count(&self) -> u32 {
+        let [low, high] = self.dcu_mask;
+        [self.dac_mask, low, high, self.control_mask].map(u64::count_ones).iter().sum()
+    }
+
     /// Sets control `line`.
     pub fn set_control(&mut self, line: usize, value: bool) {
         debug_assert!(line < CONTROL_LINES);
@@ -241,5 +264,21 @@ impl Updates {
             2 => ModeCommand::Operate,
             _ => ModeCommand::End,
         }
+    }
+}
+
+/// Arrays of more than 32, which serde does not know.
+mod values {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(values: &[f64], to: S) -> Result<S::Ok, S::Error> {
+        values.serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
+        from: D,
+    ) -> Result<[f64; N], D::Error> {
+        let values: Vec<f64> = Deserialize::deserialize(from)?;
+        values.try_into().map_err(|_| D::Error::custom("a wrong number of channels"))
     }
 }

@@ -188,8 +188,7 @@ fn impossible_runs_are_refused_with_a_reason() {
         assert!(text.contains(word), "{text}");
     }
     for refused in [
-        console.preset(vec![("x".into(), 1.0)]),
-        console.preset(vec![("d".into(), f64::NAN)]),
+        console.preset(&console.settings(&[("d", f64::NAN)]).unwrap()),
         console.set_ics(vec![("d".into(), 1.0)]),
         console.set_params(vec![("nobody".into(), 1.0)]),
     ] {

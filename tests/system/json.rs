@@ -1,7 +1,7 @@
 //! With `--json` every command writes one object of one form (`tests/outcome.schema.json`),
 //! whatever becomes of it.
 
-use crate::bench_top::{ANALOG, BenchTop, DIGITAL, expect, partner_of, signal, wait_within};
+use crate::bench_top::{ANALOG, BenchTop, DIGITAL, expect, partner_of, signal, until, wait_within};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::{process::Output, time::Duration};
@@ -92,6 +92,7 @@ fn every_command_has_one_form() {
     let bench = BenchTop::new();
     let patch = |name: &str| format!("{}/patch-files/{name}", env!("CARGO_MANIFEST_DIR"));
     let (sound, faulty) = (&*patch("decay.toml"), &*patch("bad/several-faults.toml"));
+    let study = &*patch("studies/servo-loop.toml");
     let at = |name: &str| bench.runs().join(name).display().to_string();
     let (runs, csv, svg, html) = (&*at(""), &*at("a.csv"), &*at("a.svg"), &*at("a.html"));
     // The command, its exit code, and what its JSON has, in pointers of RFC 6901.
@@ -136,12 +137,17 @@ fn every_command_has_one_form() {
             &["/results/steps", "/tables/files/0/file"],
         ),
         (ANALOG, &["draw", sound, "--out", svg], 0, &["/results/blocks", "/tables/files/0/file"]),
+        (DIGITAL, &["sampling", "circle", "--out", runs], 0, &["/run", "/claims/0/verdict"]),
+        (DIGITAL, &["sampling", "noise", "--frames", "1001", "--out", runs], 0, &["/run"]),
+        (DIGITAL, &["sampling", "loop", study, "--out", runs], 0, &["/run"]),
+        (DIGITAL, &["sampling", "loop", faulty, "--out", runs], 2, &["/error/faults/0/line"]),
         // What fails: a check, the command line, files, surroundings, the flight itself, output.
         (ANALOG, &["check", sound, "--set", "pace=0.1"], 1, &["/tables/static_check/0"]),
         (ANALOG, &["check", faulty], 2, &["/error/faults/1/line", "/error/faults/1/code"]),
         (ANALOG, &["check", sound, "--profile", "ad5"], 2, &[]),
         (ANALOG, &["run", sound, "--until", "1s", "--record", "nobody", "--out", csv], 2, &[]),
         (ANALOG, &["run", sound, "--until", "1"], 2, &[]),
+        (ANALOG, &["run", sound, "--until", "1s", "--record", "x,x"], 2, &[]),
         (ANALOG, &["cheque", sound], 2, &[]),
         (DIGITAL, &["fly", "--frmae", "1s"], 2, &[]),
         (DIGITAL, &["fly", "--mode", "rol-lost", "--out", runs], 2, &["/error/faults/0/remedy"]),
@@ -181,7 +187,9 @@ fn a_lost_partner_and_an_interrupt_have_the_same_form() {
         let bench = BenchTop::new();
         let flight = bench.fly(&["--frame", "200us", "--fast", "1", "--json"]).spawn().unwrap();
         let partner = partner_of(&flight);
-        std::thread::sleep(Duration::from_millis(300));
+        until("the trace", Duration::from_secs(20), || {
+            bench.run_directories().iter().any(|d| d.join("trace.arrow").is_file()).then_some(())
+        });
         match code {
             3 => signal(partner, Signal::KILL),
             _ => signal(flight.id(), Signal::INT),

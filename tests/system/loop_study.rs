@@ -1,7 +1,7 @@
 //! `sampling loop` as a user runs it: a damping is right or refused.
 
 use crate::bench_top::{BenchTop, DIGITAL, expect};
-use digital_proc::sampling::theory::C64;
+use nalgebra::Complex;
 use serde_json::Value;
 
 /// Motor θ' = w, τ w' = K u − w with K = 2, τ = 0.15 s; u = 6 e − 0.2 w of the samples.
@@ -39,13 +39,14 @@ gain = [[6.0, -0.2]]
 /// told as ζ and ω; Φ, Γ of the motor over a frame with u held, l frames of latency.
 fn left_of_the_characteristic_equation(row: &Value) -> f64 {
     let number = |key: &str| row[key].as_f64().unwrap();
-    let (t, late) = (number("frame"), number("latency") / number("frame"));
-    let (zeta, omega) = (number("zeta"), number("omega"));
+    let (t, late) = (number("frame_s"), number("latency_s") / number("frame_s"));
+    let (zeta, omega) = (number("zeta"), number("omega_rad_s"));
     let (tau, gain, k_err, k_w) = (0.15, 2.0, 6.0, 0.2);
     let decay = f64::exp(-t / tau);
     let travel = tau * (1.0 - decay);
     let (b_theta, b_w) = (gain * (t - travel), gain * (1.0 - decay));
-    let z = (C64::new(-zeta * omega, omega * (1.0 - zeta * zeta).sqrt()) * t).exp();
+    let root = Complex::new(-zeta * omega, omega * (1.0 - zeta * zeta).sqrt());
+    let z = (root * t).exp();
     let feedback = (z - decay) * b_theta * k_err + travel * b_w * k_err + (z - 1.0) * b_w * k_w;
     ((z - 1.0) * (z - decay) + feedback / z.powf(late)).norm()
 }
@@ -93,7 +94,7 @@ fn remark(row: &Value) -> &str {
 
 fn assert_refused(json: &Value, word: &str) {
     for row in rows(json) {
-        for key in ["zeta", "omega", "growth per cycle"] {
+        for key in ["zeta", "omega_rad_s", "growth_per_cycle"] {
             assert!(row[key].is_null(), "{row}");
         }
         assert!(remark(row).contains(word), "{row}");
@@ -120,7 +121,7 @@ fn a_servo_with_a_set_point_has_its_poles_or_none() {
     // The exact figures at 10 ms without latency, to their digits.
     let row = &rows(&json)[2];
     assert!((row["zeta"].as_f64().unwrap() - 0.5024).abs() < 5e-5, "{row}");
-    assert!((row["omega"].as_f64().unwrap() - 9.000).abs() < 5e-4, "{row}");
+    assert!((row["omega_rad_s"].as_f64().unwrap() - 9.000).abs() < 5e-4, "{row}");
 
     let all = STUDY.replace("from = \"0.5s\"\n", "");
     let json = lab.run(PATCH, &all);
@@ -128,7 +129,7 @@ fn a_servo_with_a_set_point_has_its_poles_or_none() {
     // Nothing happens before the step: there is nothing to compare the last tenth with.
     let late = lab.run(PATCH, &all.replace("start = 0.5", "start = 1.0"));
     for row in rows(&late) {
-        assert!(row["last tenth / first tenth"].is_null(), "{row}");
+        assert!(row["last_tenth_first_tenth"].is_null(), "{row}");
     }
     // Changes at 1, 2, 3 … s.
     let square = PATCH.replace("\"step\"", "\"square\", frequency = 0.5");
@@ -156,7 +157,9 @@ fn few_bits_saturation_and_limit_cycles_are_told_case_by_case() {
     let small = PATCH.replace("channel = 0, max = 4.0", "channel = 0, max = 1.0");
     let both = STUDY.replace("bits = [0]", "bits = [0, 12]");
     let json = lab.run(&small, &both);
-    assert_eq!(json["saturated"], serde_json::json!([]));
+    // Told case by case, not of the whole.
+    let remarks = json["remarks"].as_array().unwrap();
+    assert!(remarks.iter().all(|r| !r.as_str().unwrap().contains("DAC u")), "{remarks:?}");
     for row in rows(&json) {
         let ends =
             remark(row).starts_with("saturated until 0.7") || remark(row).contains("until 0.8");
@@ -188,6 +191,33 @@ fn few_bits_saturation_and_limit_cycles_are_told_case_by_case() {
     let csv = lab.runs().pop().unwrap().join("loop.csv");
     let csv = std::fs::read_to_string(csv).unwrap();
     assert!(csv.lines().nth(1).unwrap().contains("ideal,,,,"), "{csv}");
+    lab.top.assert_clean();
+}
+
+/// A study of a user's own needs nothing but TOML; its faults name file and line.
+#[test]
+fn a_study_works_from_toml_alone() {
+    let lab = Lab::new();
+    let patch = include_str!("../../patch-files/lab/root.toml");
+    let study = "title = \"My servo\"\npatch = \"motor.toml\"\nstop = \"10s\"\n\
+        measure = \"x_adc\"\nparams = { wn = 3.0 }\n\
+        sweep = { frame = [\"50ms\", \"100ms\"], latency = [0.0, 1.0] }\n\
+        [[law]]\nkind = \"gain-matrix\"\ninputs = [\"x_adc\"]\noutputs = [\"u\"]\n\
+        gain = [[9.0]]\n";
+    let json = lab.run(patch, study);
+    assert_eq!((rows(&json).len(), &json["title"]), (4, &Value::from("My servo")));
+    // One frame of 0.1 s late: the exact damping is 0.0787, a figure of the worked example.
+    let zeta = rows(&json)[3]["zeta"].as_f64().unwrap();
+    assert!((zeta - 0.0787).abs() < 5e-5, "{zeta}");
+    for (good, bad, place) in [
+        ("inputs = [\"x_adc\"]", "inputs = [\"x_adk\"]", "study.toml:9:11: the patch has no ADC"),
+        ("outputs = [\"u\"]", "outputs = [\"v\"]", "study.toml:10:"),
+        ("patch = \"motor.toml\"", "patch = \"none.toml\"", "study.toml:2:"),
+    ] {
+        let output = lab.command(patch, &study.replace(good, bad), 2);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(text.contains(place), "{bad}: {text}");
+    }
     lab.top.assert_clean();
 }
 

@@ -195,6 +195,8 @@ fn a_damaged_record_is_refused_with_its_line() {
         ("fast = 5", "fast = five"),
         ("link = \"shm\"", "link = shm\""),
         ("wind = \"none\"", "wind = \"gale\""),
+        ("alpha = \"redundant\"", "alpha = \"held-up\""),
+        ("misalign-pitch = 0.0", "misalign-pitch = 0.0."),
     ] {
         let at = sound.find(from).unwrap_or_else(|| panic!("{from} is not in\n{sound}"));
         let line = 1 + sound[..at].matches('\n').count();

@@ -10,6 +10,7 @@
 //! The arguments of square roots are judged only at rest: what guards a root, a
 //! limiter or a stop, turns at the instant at which the argument reaches zero.
 
+use crate::element::integrator::Stops;
 use crate::element::logic::Edge;
 use crate::element::piecewise::Fatal;
 use crate::fault::RunFault;
@@ -76,10 +77,15 @@ impl Machine {
             let (mut moved, negative) = self.pass(f, t_s, nets, sharp, happenings)?;
             switched.clear();
             for (i, store) in self.stores.iter().enumerate() {
-                switched.extend(store.act(i, f, nets, t_s, initial, &mut happenings.edges));
+                let (previous, edges) = (&mut f.previous[i], &mut happenings.edges);
+                switched.extend(store.act(previous, &mut f.timer_s, nets, (t_s, initial), edges));
             }
             for (i, control) in self.controls.iter().enumerate() {
-                if control.apply(i, self.stores.len(), ics, f, before, nets, initial) {
+                let free = control.stops.is_none_or(|e| f.region[e as usize] == Stops::FREE);
+                let previous = &mut f.previous[self.stores.len() + i];
+                let (reset, runs) = control.apply(ics, (previous, free), before, nets, initial);
+                f.running[i] = runs;
+                if reset {
                     moved = true;
                     if last {
                         movers.push(control.state);

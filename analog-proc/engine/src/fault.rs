@@ -72,8 +72,8 @@ pub enum RunFault {
     },
     /// A function's argument moves faster than time is resolved.
     #[error(
-        "`{block}` turns faster than time is resolved at t = {t_s} s: its argument runs away, its \
-         divisor comes too close to zero, or its vector passes through zero"
+        "`{block}` turns faster than time is resolved at t = {t_s} s: its argument runs away, or its \
+         divisor comes too close to zero; limit them, or end the run before"
     )]
     TooQuick {
         /// Problem time, s.

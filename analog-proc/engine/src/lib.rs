@@ -5,6 +5,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod element;
+mod evaluate;
 mod event;
 pub mod fault;
 pub mod id;
@@ -19,7 +20,9 @@ pub mod op;
 mod operate;
 pub mod outlook;
 pub mod overload;
+mod pass;
 pub mod remark;
 #[allow(missing_docs)]
 pub mod signal;
 pub mod simulation;
+mod statistics;

@@ -36,7 +36,7 @@ use crate::machine::{Frozen, Machine};
 use crate::overload::LatchedOverload;
 use crate::remark::Remark;
 use crate::signal::{Doubted, Rated};
-use crate::simulation::Statistics;
+use crate::statistics::Statistics;
 use guard::Switched;
 use instants::resolution_s;
 use nalgebra::DMatrix;
@@ -217,9 +217,10 @@ impl Engine {
 
     fn load_functions(&mut self) {
         for function in &self.machine.digital_functions {
-            function.load(&self.machine.breakpoints, &mut self.frozen);
+            let Frozen { dcus, pieces, .. } = &mut self.frozen;
+            function.load(&self.machine.breakpoints, dcus, pieces);
         }
-        self.machine.kernel.load(&mut self.frozen);
+        self.machine.load(&mut self.frozen);
     }
 
     pub fn derivative_pass(&mut self) -> f64 {

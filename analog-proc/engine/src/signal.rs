@@ -47,7 +47,7 @@ pub trait Signal:
 }
 
 /// `atan2(y, x)`, continued across the negative x axis on the sheet in force:
-/// `sheet` 0 was entered with y ≥ 0, 1 with y < 0. The sheet changes by an event.
+/// `sheet` 0 was entered with y ≥ 0, others with y < 0. The sheet changes by an event.
 #[inline]
 fn arctangent(y: f64, x: f64, sheet: u32) -> f64 {
     let principal = libm::atan2(y, x);
@@ -56,7 +56,7 @@ fn arctangent(y: f64, x: f64, sheet: u32) -> f64 {
         principal
     } else if sheet == 0 && principal < 0.0 {
         principal + TAU
-    } else if sheet == 1 && principal > 0.0 {
+    } else if sheet != 0 && principal > 0.0 {
         principal - TAU
     } else {
         principal

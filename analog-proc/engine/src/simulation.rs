@@ -20,6 +20,7 @@ use crate::operate::{Engine, Heed, Recorder};
 use crate::outlook;
 use crate::overload::LatchedOverload;
 use crate::remark::Remark;
+pub use crate::statistics::Statistics;
 use crate::{
     id::{BlockId, NetId},
     integration::{Integration, Method, OverloadPolicy},
@@ -32,21 +33,6 @@ pub struct Advance {
     pub reached: Tick,
     /// The overload that stopped it, by the patch's policy.
     pub stopped_by: Option<LatchedOverload>,
-}
-
-/// Counts since the last reset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Accepted steps.
-    pub steps: u64,
-    /// Rejected steps.
-    pub rejected: u64,
-    /// Evaluations of the derivatives, those for locating events included.
-    pub evaluations: u64,
-    /// Instants at which something switched.
-    pub events: u64,
-    /// Interrupt edges dropped because nobody took them.
-    pub edges_lost: u64,
 }
 
 /// A machine with its state.

@@ -31,10 +31,11 @@ pub struct Run {
 
 impl Run {
     pub fn execute(self) -> Result<(), Failure> {
-        if self.until < Tick::ZERO || self.every <= Tick::ZERO {
-            return Err(Failure::input(
-                "--until must not be negative and --every must be positive",
-            ));
+        if self.until < Tick::ZERO {
+            return Err(Failure::input(format!("--until {} must not be negative", self.until)));
+        }
+        if self.every <= Tick::ZERO {
+            return Err(Failure::input(format!("--every {} must be positive", self.every)));
         }
         if self.until > Tick::ZERO && self.every > self.until {
             return Err(Failure::input(format!(
@@ -148,6 +149,10 @@ impl Run {
             }
             let nets = blocks.iter().flat_map(|b| &b.outputs);
             return Ok(nets.map(|id| (netlist.nets[id.index()].name.clone(), *id)).collect());
+        }
+        let twice = |(at, name): (usize, &String)| self.record[..at].contains(name);
+        if let Some((_, name)) = self.record.iter().enumerate().find(|pair| twice(*pair)) {
+            return Err(Failure::input(format!("--record names `{name}` twice; name it once")));
         }
         let find = |name: &String| {
             netlist

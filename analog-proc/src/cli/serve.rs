@@ -12,7 +12,7 @@ use interface::{
     session::{Session, SessionError},
 };
 
-/// Serve a session.
+/// Serve a session, until the command that joins it has ended.
 #[derive(clap::Args)]
 pub struct Serve {
     /// Name of the session, which the digital side gives to --attach
@@ -45,7 +45,7 @@ impl Serve {
             // Somebody will come from another terminal, whenever that is.
             patience.arrival = None;
             say!(
-                "session `{}` waits; join it by: digital-proc fly --attach {}",
+                "session `{}` waits for one command and ends with it; join it by: digital-proc fly --attach {}",
                 self.session,
                 self.session
             );

@@ -87,7 +87,7 @@ pub fn svg(ordered: &Ordered) -> String {
         columns: &columns,
         top: top(&layout),
     };
-    sheet.document(ordered).to_string()
+    sheet.document(ordered).into_string()
 }
 
 /// Left edges and widths on the page.

@@ -4,15 +4,15 @@
 //! in which later things lie over earlier ones.
 
 use super::graph::{Graph, Role};
+use super::pen::{circle, path, rect, text};
 use super::place::{Item, Layout};
 use super::route::Routes;
 use super::{BORDER, Columns, HEAD, STYLE, extent, port_texts, text_width};
 use super::{round, symbol};
 use crate::net::{Kind, Netlist};
 use crate::order::Ordered;
+use maud::{Markup, PreEscaped, html};
 use std::collections::BTreeMap;
-use svg::Document;
-use svg::node::element::{Circle, Group, Path, Rectangle, Style, Text, Title};
 
 /// A patch that is placed and routed, on its page.
 pub(super) struct Sheet<'a> {
@@ -26,7 +26,7 @@ pub(super) struct Sheet<'a> {
 
 impl Sheet<'_> {
     /// The whole drawing.
-    pub(super) fn document(&self, ordered: &Ordered) -> Document {
+    pub(super) fn document(&self, ordered: &Ordered) -> Markup {
         let height = self
             .layout
             .items
@@ -44,27 +44,25 @@ impl Sheet<'_> {
             plural(count),
             plural(integrators)
         );
-        let mut document = Document::new()
-            .set("viewBox", (0, 0, round(width), round(height)))
-            .set("width", round(width))
-            .set("height", round(height))
-            .set("role", "img")
-            .add(Title::new(title.as_str()))
-            .add(Style::new(STYLE))
-            .add(Rectangle::new().set("class", "paper").set("width", "100%").set("height", "100%"))
-            .add(text(BORDER, 36.0, "title", title))
-            .add(text(BORDER, 54.0, "subtitle", &subtitle))
-            .add(self.frames())
-            .add(self.wires());
-        let mut symbols = Group::new();
-        for (block, content) in self.netlist.blocks.iter().enumerate() {
+        let (width, height) = (round(width), round(height));
+        let symbol = |(block, content)| {
             let (x, y) = self.middle(block);
             let id = engine::id::BlockId(u32::try_from(block).unwrap_or(u32::MAX));
-            let note = ordered.note(id);
-            symbols = symbols.add(symbol::draw(content, note, self.layout.sizes[block], x, y));
+            symbol::draw(content, ordered.note(id), self.layout.sizes[block], x, y)
+        };
+        html! {
+            svg xmlns="http://www.w3.org/2000/svg" viewBox={ "0 0 " (width) " " (height) } width=(width) height=(height) role="img" {
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+                rect class="paper" width="100%" height="100%" {}
+                (text(BORDER, 36.0, "title", title))
+                (text(BORDER, 54.0, "subtitle", &subtitle))
+                g { @for frame in self.frames() { (frame) } }
+                g { @for wire in self.wires() { (wire) } }
+                g { @for block in self.netlist.blocks.iter().enumerate() { (symbol(block)) } }
+                g { @for port in self.ports() { (port) } }
+            }
         }
-        document = document.add(symbols).add(self.ports());
-        document
     }
 
     fn middle(&self, block: usize) -> (f64, f64) {
@@ -84,7 +82,7 @@ impl Sheet<'_> {
         self.columns.gap[gap] + trunk.map_or(0.0, |t| t.x)
     }
 
-    fn wires(&self) -> Group {
+    fn wires(&self) -> Vec<Markup> {
         // Per net: its horizontal and vertical pieces.
         let mut pieces: BTreeMap<usize, Vec<[f64; 4]>> = BTreeMap::new();
         let mut add = |net: usize, piece: [f64; 4]| pieces.entry(net).or_default().push(piece);
@@ -116,34 +114,15 @@ impl Sheet<'_> {
                 }
             }
         }
-        let mut group = Group::new();
+        let mut group = Vec::new();
         for (net, pieces) in pieces {
             let logic = if self.is_logic(net) { " logic" } else { "" };
-            let mut d = String::new();
-            for [x1, y1, x2, y2] in &pieces {
-                d.push_str(&format!(
-                    "M{} {}L{} {}",
-                    round(*x1),
-                    round(*y1),
-                    round(*x2),
-                    round(*y2)
-                ));
-            }
+            let d: String =
+                pieces.iter().map(|p| path([(p[0], p[1]), (p[2], p[3])].into_iter())).collect();
             let name = &self.netlist.nets[net].name;
-            group = group.add(
-                Path::new()
-                    .set("class", format!("wire{logic}"))
-                    .set("d", d)
-                    .add(Title::new(name.as_str())),
-            );
+            group.push(html! { path.{ "wire" (logic) } d=(d) { title { (name) } } });
             for (x, y) in junctions(&pieces) {
-                group = group.add(
-                    Circle::new()
-                        .set("class", format!("dot{logic}"))
-                        .set("cx", round(x))
-                        .set("cy", round(y))
-                        .set("r", 2.6),
-                );
+                group.push(circle(&format!("dot{logic}"), x, y, 2.6));
             }
         }
         group
@@ -163,34 +142,26 @@ impl Sheet<'_> {
     }
 
     /// Arrowheads, coefficients, tags and names of the inputs.
-    fn ports(&self) -> Group {
-        let mut group = Group::new();
+    fn ports(&self) -> Vec<Markup> {
+        let mut group = Vec::new();
         for (block, ports) in self.graph.ports.iter().enumerate() {
             let roles = self.netlist.blocks[block].kind.facts().inputs.roles;
             let mut numbered = 0;
             for (index, port) in ports.iter().enumerate() {
                 let (x, y) = self.port_place(block, index);
                 let logic = if port.is_logic { " logic" } else { "" };
-                let tip = format!(
-                    "M{} {}L{} {}L{} {}Z",
-                    round(x),
-                    round(y),
-                    round(x - 8.0),
-                    round(y - 3.2),
-                    round(x - 8.0),
-                    round(y + 3.2)
-                );
-                group = group.add(Path::new().set("class", format!("tip{logic}")).set("d", tip));
+                let tip = path([(x, y), (x - 8.0, y - 3.2), (x - 8.0, y + 3.2)].into_iter()) + "Z";
+                group.push(html! { path.{ "tip" (logic) } d=(tip) {} });
                 let (tag, coefficient) = port_texts(port, self.netlist);
                 let mut right = x - 10.0;
                 if let Some(coefficient) = coefficient {
                     // Beside a tag; above a wire.
                     let at = if port.is_tag { y + 3.5 } else { y - 4.0 };
-                    group = group.add(text(right, at, "coefficient", &coefficient));
+                    group.push(text(right, at, "coefficient", &coefficient));
                     right -= text_width(&coefficient) + 6.0;
                 }
                 if let Some(tag) = tag {
-                    group = group.add(text(right, y + 3.5, "tag", &tag));
+                    group.push(text(right, y + 3.5, "tag", &tag));
                 }
                 let name = match port.role {
                     Role::Side(name) => Some(name),
@@ -200,7 +171,7 @@ impl Sheet<'_> {
                     }
                 };
                 if let Some(name) = name {
-                    group = group.add(text(x + 2.5, y + 3.0, "port", name));
+                    group.push(text(x + 2.5, y + 3.0, "port", name));
                 }
             }
         }
@@ -208,7 +179,7 @@ impl Sheet<'_> {
     }
 
     /// Dashed frames round instances of sub-patches whose blocks stand together.
-    fn frames(&self) -> Group {
+    fn frames(&self) -> Vec<Markup> {
         let mut boxes: BTreeMap<&str, [f64; 4]> = BTreeMap::new();
         let bounds = |block: usize| {
             let (x, y) = self.middle(block);
@@ -237,7 +208,7 @@ impl Sheet<'_> {
                     .or_insert(new);
             }
         }
-        let mut group = Group::new();
+        let mut group = Vec::new();
         for (name, [left, top, right, bottom]) in boxes {
             let prefix = format!("{name}.");
             let is_alone = blocks.iter().enumerate().all(|(block, content)| {
@@ -250,17 +221,9 @@ impl Sheet<'_> {
                 continue;
             }
             let pad = 10.0;
-            group = group
-                .add(
-                    Rectangle::new()
-                        .set("class", "frame")
-                        .set("x", round(left - pad))
-                        .set("y", round(top - pad - 6.0))
-                        .set("width", round(right - left + 2.0 * pad))
-                        .set("height", round(bottom - top + 2.0 * pad + 6.0))
-                        .set("rx", 6),
-                )
-                .add(text(left - pad + 6.0, top - pad + 5.0, "frame-name", name));
+            let (width, height) = (right - left + 2.0 * pad, bottom - top + 2.0 * pad + 6.0);
+            group.push(rect("frame", [left - pad, top - pad - 6.0, width, height], 6.0));
+            group.push(text(left - pad + 6.0, top - pad + 5.0, "frame-name", name));
         }
         group
     }
@@ -268,10 +231,6 @@ impl Sheet<'_> {
 
 fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
-}
-
-fn text(x: f64, y: f64, class: &str, content: &str) -> Text {
-    Text::new(content).set("class", class).set("x", round(x)).set("y", round(y))
 }
 
 /// Points at which three or more pieces of a net meet.

@@ -6,7 +6,7 @@
 
 use super::{Pen, number};
 use crate::net::Block;
-use svg::node::element::{Group, Title};
+use maud::{Markup, html};
 
 /// Distance between ports.
 pub(super) const PORT_PITCH: f64 = 20.0;
@@ -37,9 +37,9 @@ pub(super) fn size(block: &Block, ports: usize) -> Size {
 }
 
 /// Draws a block with its middle at `(x, y)`.
-pub(super) fn draw(block: &Block, note: Option<&str>, size: Size, x: f64, y: f64) -> Group {
+pub(super) fn draw(block: &Block, note: Option<&str>, size: Size, x: f64, y: f64) -> Markup {
     let mut pen = Pen {
-        group: Group::new(),
+        elements: String::new(),
         x,
         y,
         half_width: size.width / 2.0,
@@ -59,5 +59,5 @@ pub(super) fn draw(block: &Block, note: Option<&str>, size: Size, x: f64, y: f64
     if let Some(note) = note {
         hint.push_str(&format!(": {note}"));
     }
-    pen.group.add(Title::new(hint))
+    html! { g { (pen.markup()) title { (hint) } } }
 }

@@ -9,7 +9,6 @@
 
 mod build;
 
-use crate::net::Netlist;
 use engine::{
     element::{dac::DacPiece, logic},
     id::NetId,
@@ -18,7 +17,6 @@ use engine::{
 use interface::{
     Tick,
     coefficient::CoefficientUnit,
-    control::{Channel, ChannelKind},
     converter::Converter,
     frame::{Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
     hold::Hold,
@@ -104,39 +102,38 @@ impl Channels {
         skew.checked_mul(self.adc.len().saturating_sub(1) as u64)
     }
 
-    /// Sets channels by their names while the machine does not operate: all or none.
-    ///
-    /// # Errors
-    /// A text naming the channel that does not exist or the value that is no number.
-    pub fn preset(
-        &mut self,
-        netlist: &Netlist,
-        values: &[(String, f64)],
-        simulation: &mut Simulation,
-    ) -> Result<(), String> {
-        let described = self.describe(netlist);
-        let settable: Vec<(ChannelKind, usize)> = values
-            .iter()
-            .map(|(name, value)| settable(&described, name, *value))
-            .collect::<Result<_, _>>()?;
-        for ((kind, number), (_, value)) in settable.into_iter().zip(values) {
-            match kind {
-                ChannelKind::Dac => {
-                    if let Some(dac) = self.dac.iter_mut().find(|d| d.channel == number) {
-                        dac.value = *value;
-                    }
-                }
-                ChannelKind::Dcu => {
-                    if let Some(dcu) = self.dcu.iter_mut().find(|d| d.channel == number) {
-                        dcu.value = *value;
-                    }
-                }
-                _ => {
-                    if let Some((_, on)) = self.control.iter_mut().find(|(l, _)| *l == number) {
-                        *on = *value != 0.0;
-                    }
-                }
+    /// Sets channels while the machine does not operate: all or none.
+    pub fn preset(&mut self, preset: &Updates, simulation: &mut Simulation) -> Result<(), String> {
+        let mut known = 0;
+        let mut check = |kind: &str, channel: usize, value: Option<f64>| match value {
+            Some(v) if !v.is_finite() => {
+                Err(format!("the preset of {kind} {channel} is {v}, not a finite number"))
             }
+            value => {
+                known += u32::from(value.is_some());
+                Ok(())
+            }
+        };
+        for dac in &self.dac {
+            check("DAC", dac.channel, preset.new_dac(dac.channel))?;
+        }
+        for dcu in &self.dcu {
+            check("DCU", dcu.channel, preset.new_dcu(dcu.channel))?;
+        }
+        for (line, _) in &self.control {
+            check("control line", *line, preset.new_control(*line).map(f64::from))?;
+        }
+        if known < preset.count() {
+            return Err("the preset sets a channel that the patch does not have".to_owned());
+        }
+        for dac in &mut self.dac {
+            dac.value = preset.new_dac(dac.channel).unwrap_or(dac.value);
+        }
+        for dcu in &mut self.dcu {
+            dcu.value = preset.new_dcu(dcu.channel).unwrap_or(dcu.value);
+        }
+        for (line, on) in &mut self.control {
+            *on = preset.new_control(*line).unwrap_or(*on);
         }
         self.set_all(simulation);
         Ok(())
@@ -185,10 +182,8 @@ impl Channels {
         let now_s = simulation.now_s();
         let settling_s = self.profile.settling().time_constant_s();
         for dac in &mut self.dac {
-            if updates.dac_mask >> dac.channel & 1 == 0 {
-                continue;
-            }
-            dac.value = updates.dac[dac.channel];
+            let Some(value) = updates.new_dac(dac.channel) else { continue };
+            dac.value = value;
             let value = self.saturations.convert(dac);
             let piece = dac.hold.transfer(at, value);
             simulation.set_dac(
@@ -203,14 +198,14 @@ impl Channels {
             );
         }
         for dcu in &mut self.dcu {
-            if updates.dcu_mask[dcu.channel / 64] >> (dcu.channel % 64) & 1 == 1 {
-                dcu.value = updates.dcu[dcu.channel];
+            if let Some(value) = updates.new_dcu(dcu.channel) {
+                dcu.value = value;
                 simulation.set_dcu(dcu.channel as u32, self.saturations.set(dcu));
             }
         }
         for (line, on) in &mut self.control {
-            if updates.control_mask >> *line & 1 == 1 {
-                *on = updates.control >> *line & 1 == 1;
+            if let Some(new) = updates.new_control(*line) {
+                *on = new;
                 simulation.set_control(*line as u32, *on);
             }
         }
@@ -269,19 +264,4 @@ impl Channels {
         }
         samples.overloads = simulation.overloads().len() as u32;
     }
-}
-
-/// Kind and number of the channel `name`, if it can be preset to `value`.
-fn settable(described: &[Channel], name: &str, value: f64) -> Result<(ChannelKind, usize), String> {
-    if !value.is_finite() {
-        return Err(format!("the preset of `{name}` is {value}, not a finite number"));
-    }
-    let is_settable =
-        |c: &&Channel| matches!(c.kind, ChannelKind::Dac | ChannelKind::Dcu | ChannelKind::Control);
-    described
-        .iter()
-        .filter(is_settable)
-        .find(|c| c.name == name)
-        .map(|c| (c.kind, c.number as usize))
-        .ok_or_else(|| format!("the patch has no DAC, DCU or control line `{name}` to preset"))
 }

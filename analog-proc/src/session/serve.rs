@@ -17,6 +17,7 @@ use engine::{
 use interface::{
     Tick,
     control::{Overload, PatchBundle, Reply, Request, RunSpec},
+    frame::Updates,
     link::{AnalogPort, LinkFault},
     profile::Profile,
 };
@@ -98,8 +99,8 @@ impl Server {
                 self.loaded()?.set_ics(values)?;
                 Ok(Reply::Done)
             }
-            Request::Preset(values) => {
-                self.loaded()?.preset(&values)?;
+            Request::Preset(preset) => {
+                self.loaded()?.preset(&preset)?;
                 Ok(Reply::Done)
             }
             Request::Read(names) => {
@@ -239,9 +240,9 @@ impl Loaded {
 
     /// Presets channels; where the machine cannot settle with them the former settings
     /// are put back. At IC the fault goes with them; later it stands until the next reset.
-    fn preset(&mut self, values: &[(String, f64)]) -> Result<(), String> {
+    fn preset(&mut self, preset: &Updates) -> Result<(), String> {
         let former = self.channels.clone();
-        self.channels.preset(&self.ordered.netlist, values, &mut self.simulation)?;
+        self.channels.preset(preset, &mut self.simulation)?;
         let Err(fault) = self.settle() else {
             return Ok(());
         };

@@ -195,10 +195,15 @@ fn sensitivity(patch: &Patch, reference: &Result<Rows, Fault>, nets: usize) -> S
 /// Whether two ends by a fault are one.
 fn same(a: &Fault, b: &Fault) -> bool {
     let off = (a.t_s - b.t_s).abs();
-    let sure = |kind: &str| matches!(kind, "divisor" | "root" | "race");
-    // Switchings that accumulate, and singularities that are approached, end where the last
-    // step that still fits ends.
-    if a.kind == b.kind && sure(a.kind) { off < 1e-6 } else { off < 1e-2 }
+    off < match (a.kind, b.kind) {
+        ("divisor", "divisor") | ("race", "race") => 1e-6,
+        // A radicand that slows down towards zero (the root drives what it is taken of) touches it:
+        // the tolerance, 1e-10, moves the instant by its root.
+        ("root", "root") => 1e-5,
+        // Switchings that accumulate, and singularities that are approached, end where the last
+        // step that still fits ends.
+        _ => 1e-2,
+    }
 }
 
 /// Whether fixed steps differ by their own error, which nothing bounds (near a pole, near the

@@ -3,6 +3,7 @@
 use crate::TAU;
 use crate::bench::Bench;
 use crate::roots::bisect;
+use engine::fault::RunFault;
 use std::f64::consts::PI;
 
 /// In (−π, π], and right where it is not within a rounding of the jump.
@@ -112,5 +113,139 @@ fn a_vector_that_leaves_the_origin_has_its_direction_at_once() {
         bench.run(2.1);
         let error = (bench.net("area") - PI / 4.0 * (2.1 - 0.82)).abs();
         assert!(error < 1e-12, "{integration}: {error:e}");
+    }
+}
+
+/// All methods; what happens does so between their fixed steps.
+const METHODS: [&str; 4] = [
+    "",
+    "method = \"sdirk4\"",
+    "method = \"runge-kutta-4\"\nstep = 0.01",
+    "method = \"euler\"\nstep = 0.01",
+];
+
+#[test]
+fn an_angle_jumps_where_its_vector_passes_through_the_origin() {
+    let t0_s = 0.731_23;
+    // Inputs of the arctangent, with the angles before and after; `u` goes through zero at 0.73123 s.
+    let fourth = 0.5_f64.atan();
+    for (y, x, before, after) in [
+        ("u", "2 * u", fourth - PI, fourth),
+        ("-1 * u", "-2 * u", fourth, fourth - PI),
+        ("u", "-2 * u", -fourth, PI - fourth),
+        ("u", "zero", -PI / 2.0, PI / 2.0),
+        ("-1 * u", "-1 * zero", PI / 2.0, -PI / 2.0),
+        ("zero", "u", PI, 0.0),
+        ("-1 * zero", "u", PI, 0.0),
+        ("zero", "-1 * u", 0.0, PI),
+        ("w", "w", PI / 4.0 - PI, PI / 4.0),
+    ] {
+        for integration in METHODS {
+            let mut bench = Bench::with(
+                integration,
+                &format!(
+                    r#"
+                    one = {{ kind = "constant", value = 1.0 }}
+                    zero = {{ kind = "constant", value = 0.0 }}
+                    u = {{ kind = "integrator", in = ["one"], ic = {:?} }}
+                    w = {{ kind = "sine", in = ["u"] }}
+                    angle = {{ kind = "arctangent", in = ["{y}", "{x}"] }}
+                    area = {{ kind = "integrator", in = ["angle"] }}
+                    p = {{ kind = "comparator", in = ["angle"], threshold = 0.1 }}
+                    c = {{ kind = "counter", in = ["p"] }}
+                    "#,
+                    -t0_s
+                ),
+            );
+            let what = format!("{integration} atan2({y}, {x})");
+            bench.run(2.0);
+            let truth = t0_s * before + (2.0 - t0_s) * after;
+            let error = (bench.net("area") - truth).abs();
+            assert!(error < 1e-12, "{what}: {error:e}");
+            assert_eq!(bench.net("c"), f64::from(after > 0.1), "{what}");
+        }
+    }
+}
+
+#[test]
+fn a_vector_that_leaves_downward_has_its_angle_below() {
+    // Where it starts, feedback tells its angle: atan(1/2) - π, for ever.
+    let truth = |t: f64| (0.5_f64.atan() - PI - 1.0) * t + 0.1 * (26.0 * t).sin() / 26.0;
+    for integration in ["", "method = \"sdirk4\"", "method = \"runge-kutta-4\"\nstep = 1e-3"] {
+        let mut bench = Bench::with(
+            integration,
+            r#"
+            one = { kind = "constant", value = 1.0 }
+            t = { kind = "time" }
+            c = { kind = "cosine", in = ["26 * t"] }
+            u = { kind = "integrator", in = ["angle", "0.1 * c", "-1 * one"] }
+            angle = { kind = "arctangent", in = ["u", "2 * u"] }
+            "#,
+        );
+        let error = (bench.run(1.0).net("u") - truth(1.0)).abs();
+        assert!(error < 1e-8, "{integration}: {error:e}");
+    }
+}
+
+#[test]
+fn a_vector_that_starts_from_rest_has_its_direction_at_once() {
+    for integration in METHODS {
+        let mut bench = Bench::with(
+            integration,
+            r#"
+            one = { kind = "constant", value = 1.0 }
+            v = { kind = "integrator", in = ["one"] }
+            u = { kind = "integrator", in = ["v"] }
+            angle = { kind = "arctangent", in = ["u", "-1 * u"] }
+            area = { kind = "integrator", in = ["angle"] }
+            "#,
+        );
+        let error = (bench.run(1.3).net("area") - 1.3 * 0.75 * PI).abs();
+        assert!(error < 1e-12, "{integration}: {error:e}");
+    }
+}
+
+#[test]
+fn a_vector_that_is_held_at_its_origin_ends_the_run() {
+    // Its angle, 0 or π, drives it back from either side from 0.5 s on.
+    for integration in METHODS {
+        let mut bench = Bench::with(
+            integration,
+            r#"
+            one = { kind = "constant", value = 1.0 }
+            zero = { kind = "constant", value = 0.0 }
+            u = { kind = "integrator", in = ["angle", "-1 * one"], ic = 0.5 }
+            angle = { kind = "arctangent", in = ["zero", "u"] }
+            "#,
+        );
+        match bench.try_run(2.0) {
+            Err(RunFault::Chatter { t_s, block, .. }) => {
+                assert_eq!(block, "angle", "{integration}");
+                assert!((t_s - 0.5).abs() < 1e-9, "{integration}: {t_s}");
+            }
+            other => panic!("{integration}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_divisor_that_is_zero_with_a_vector_ends_the_run() {
+    for integration in METHODS {
+        let mut bench = Bench::with(
+            integration,
+            r#"
+            one = { kind = "constant", value = 1.0 }
+            u = { kind = "integrator", in = ["one"], ic = -0.31 }
+            angle = { kind = "arctangent", in = ["u", "2 * u"] }
+            q = { kind = "divider", in = ["one", "u"] }
+            "#,
+        );
+        match bench.try_run(2.0) {
+            Err(RunFault::DividedByZero { t_s, block }) => {
+                assert_eq!(block, "q", "{integration}");
+                assert!((t_s - 0.31).abs() < 1e-12, "{integration}: {t_s}");
+            }
+            other => panic!("{integration}: {other:?}"),
+        }
     }
 }

@@ -95,7 +95,7 @@ enum LinkName {
     Memory,
 }
 
-/// How the machine is put together.
+// How the machine is put together. (No doc comment: it would be the help of who flattens it.)
 #[derive(Args)]
 #[command(next_help_heading = "Machine")]
 struct JoinArgs {
@@ -107,7 +107,7 @@ struct JoinArgs {
     attach: Option<String>,
 }
 
-/// What every command that runs the machine takes.
+// What every command that runs the machine takes.
 #[derive(Args)]
 struct MachineArgs {
     #[command(flatten)]

@@ -4,10 +4,7 @@
 //! stage patch must have every channel named here; it may have more.
 
 use crate::console::{Console, ConsoleFault};
-use interface::{
-    control::ChannelKind,
-    frame::{Samples, Updates},
-};
+use interface::{control::ChannelKind, frame::Samples};
 
 /// Declares a set of channels of one kind: a field each, resolved by its own name.
 macro_rules! channel_set {
@@ -17,9 +14,6 @@ macro_rules! channel_set {
         pub struct $set { $(#[doc = concat!("Channel `", stringify!($field), "`.")] pub $field: usize),* }
 
         impl $set {
-            /// How many channels these are.
-            pub const COUNT: u32 = [$(stringify!($field)),*].len() as u32;
-
             fn resolve(console: &Console<'_>) -> Result<$set, ConsoleFault> {
                 Ok($set { $($field: console.channel($kind, stringify!($field))?),* })
             }
@@ -61,21 +55,14 @@ channel_set!(
 /// Every channel of the stage patch.
 #[derive(Clone, Debug)]
 pub struct StageChannels {
-    /// ADCs.
     pub adc: Sampled,
-    /// DACs.
     pub dac: Signals,
-    /// DCUs.
     pub dcu: Coefficients,
-    /// Control lines.
     pub line: Lines,
 }
 
 impl StageChannels {
     /// Finds the channels of the loaded patch.
-    ///
-    /// # Errors
-    /// [`ConsoleFault::NoChannel`] for the first one that the patch lacks.
     pub fn resolve(console: &Console<'_>) -> Result<StageChannels, ConsoleFault> {
         Ok(StageChannels {
             adc: Sampled::resolve(console)?,
@@ -106,7 +93,9 @@ pub struct AttitudeSample {
 }
 
 impl Sampled {
-    /// Reads one frame.
+    /// How many there are: each is one number.
+    pub const COUNT: u32 = (size_of::<Sampled>() / size_of::<usize>()) as u32;
+
     pub fn read(&self, samples: &Samples) -> AttitudeSample {
         let at = |channel: usize| samples.adc[channel];
         AttitudeSample {
@@ -119,27 +108,4 @@ impl Sampled {
             control_force_n: at(self.adc_control),
         }
     }
-}
-
-/// The updates as presets by name, to be set before OPERATE.
-pub fn as_presets(console: &Console<'_>, updates: &Updates) -> Vec<(String, f64)> {
-    let set = |mask: u64, bit: u32| mask >> bit & 1 == 1;
-    console
-        .channels()
-        .iter()
-        .filter_map(|channel| {
-            let n = channel.number;
-            let value = match channel.kind {
-                ChannelKind::Dac if set(updates.dac_mask, n) => updates.dac[n as usize],
-                ChannelKind::Dcu if set(updates.dcu_mask[n as usize / 64], n % 64) => {
-                    updates.dcu[n as usize]
-                }
-                ChannelKind::Control if set(updates.control_mask, n) => {
-                    f64::from(u8::from(set(updates.control, n)))
-                }
-                _ => return None,
-            };
-            Some((channel.name.clone(), value))
-        })
-        .collect()
 }

@@ -104,9 +104,6 @@ impl<'v> FlightLaw<'v> {
     }
 
     /// Computes updates n from samples n.
-    ///
-    /// # Errors
-    /// [`FlightFault`] when the trajectory cannot be continued.
     pub fn frame(
         &mut self,
         samples: &Samples,

@@ -3,16 +3,16 @@
 //! Loads the stage's control system on the analog side, flies the trajectory on
 //! this one, and tells an observer of every frame. It writes no files.
 
-pub mod channels;
+pub(crate) mod channels;
 mod law;
-pub mod pacing;
-pub mod plan_record;
+pub(crate) mod pacing;
+pub(crate) mod plan_record;
 mod timing;
-pub mod trace;
+pub(crate) mod trace;
 
 pub use channels::AttitudeSample;
 pub use law::FrameResult;
-pub use timing::{OutOfOrder, Timing, TransferLog};
+pub use timing::{Timing, TransferLog};
 
 use crate::linkage::{
     console::{Console, ConsoleFault, Law},
@@ -135,9 +135,6 @@ pub struct Stage {
 
 impl Stage {
     /// Loads the shipped stage patch.
-    ///
-    /// # Errors
-    /// [`FlightFault::Console`]: the machine or its link.
     pub fn load(
         console: &mut Console<'_>,
         vehicle: &Vehicle,
@@ -147,9 +144,6 @@ impl Stage {
     }
 
     /// Loads a stage patch of the caller's, with the channels of the shipped one.
-    ///
-    /// # Errors
-    /// [`FlightFault::Console`]: the machine, its link, or a patch that lacks a channel.
     pub fn load_patch(
         console: &mut Console<'_>,
         vehicle: &Vehicle,
@@ -163,9 +157,6 @@ impl Stage {
 
     /// Flies `plan` (its profile was settled at loading) from initial conditions. Where `vehicle`
     /// differs from the one loaded in what the patch takes as parameters, they are set first.
-    ///
-    /// # Errors
-    /// [`FlightFault`]: the machine, the trajectory, the plan or the observer's record.
     pub fn fly(
         &mut self,
         console: &mut Console<'_>,
@@ -224,9 +215,6 @@ pub trait Observer {
     }
 
     /// A frame flown.
-    ///
-    /// # Errors
-    /// As [`Observer::told`].
     fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError>;
 }
 
@@ -295,7 +283,5 @@ fn preset(
     samples.adc[adc.adc_alpha] = incidence_rad;
     let mut updates = Updates::new(0, Tick::ZERO);
     law.frame(&samples, &mut updates)?;
-    let presets = channels::as_presets(console, &updates);
-    console.preset(presets)?;
-    Ok(())
+    Ok(console.preset(&updates)?)
 }

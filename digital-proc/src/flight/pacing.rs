@@ -29,9 +29,7 @@ pub enum Late {
 /// One overrun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Overrun {
-    /// Frame number.
     pub frame: u64,
-    /// What was late.
     pub late: Late,
 }
 
@@ -49,7 +47,6 @@ pub struct Pacing {
 }
 
 impl Pacing {
-    /// For frames of this period.
     pub fn new(frame: Tick) -> Pacing {
         Pacing {
             frame,
@@ -61,7 +58,6 @@ impl Pacing {
         }
     }
 
-    /// Takes in one frame.
     pub fn observe(&mut self, samples: &Samples) {
         self.frames += 1;
         for transfer in samples.transfers() {
@@ -102,7 +98,6 @@ impl Pacing {
         (margin, self.lateness.iter().filter(|by| **by > margin).count())
     }
 
-    /// Frames so far.
     pub fn frames(&self) -> u64 {
         self.frames
     }

@@ -63,9 +63,6 @@ pub struct OutOfOrder {
 
 impl TransferLog {
     /// The log of these transfers.
-    ///
-    /// # Errors
-    /// [`OutOfOrder`] for the first that does not follow its forerunner.
     pub fn new(transfers: Vec<Transfer>) -> Result<TransferLog, OutOfOrder> {
         let follows =
             |pair: &[Transfer]| pair[0].frame < pair[1].frame && pair[0].tick <= pair[1].tick;

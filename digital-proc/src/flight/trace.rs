@@ -105,9 +105,6 @@ impl<W: Write> Recorder<W> {
     }
 
     /// Ends the files; what was driven beyond its range.
-    ///
-    /// # Errors
-    /// They cannot be written.
     pub fn finish(self) -> Result<Saturations, RunDirError> {
         self.progress.done();
         self.rows.finish()?;
@@ -145,9 +142,6 @@ pub struct TransfersFault {
 }
 
 /// Reads the transfers back; `path` serves messages only.
-///
-/// # Errors
-/// [`TransfersFault`] when a row is no transfer, or not in order.
 pub fn read_transfers(path: &Path, trace: &Trace) -> Result<TransferLog, TransfersFault> {
     let fault = |reason: String| TransfersFault { path: path.to_owned(), reason };
     let frames = trace.column("frame").map_err(|e| fault(e.to_string()))?;

@@ -129,9 +129,6 @@ impl<'p> Console<'p> {
     }
 
     /// Number of the channel `name` of `kind`.
-    ///
-    /// # Errors
-    /// [`ConsoleFault::NoChannel`] with the nearest name.
     pub fn channel(&self, kind: ChannelKind, name: &str) -> Result<usize, ConsoleFault> {
         let of_kind = || self.channels.iter().filter(move |c| c.kind == kind);
         of_kind().find(|c| c.name == name).map(|c| c.number as usize).ok_or_else(|| {
@@ -149,33 +146,43 @@ impl<'p> Console<'p> {
     }
 
     /// Pot-set: values for `[params]` entries; the machine goes to IC.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
     pub fn set_params(&mut self, params: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
         self.done("pot-set", &Request::SetParams(params))
     }
 
     /// Initial conditions by integrator name; the machine goes to IC.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
     pub fn set_ics(&mut self, ics: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
         self.done("the initial conditions", &Request::SetIcs(ics))
     }
 
-    /// DACs, DCUs and control lines by name, while not operating.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
-    pub fn preset(&mut self, values: Vec<(String, f64)>) -> Result<(), ConsoleFault> {
-        self.done("the preset", &Request::Preset(values))
+    /// DACs, DCUs and control lines by name (1 or 0), to be preset.
+    pub fn settings(&self, values: &[(&str, f64)]) -> Result<Updates, ConsoleFault> {
+        use ChannelKind::{Control, Dac, Dcu};
+        let mut updates = Updates::new(0, Tick::ZERO);
+        let is_settable = |c: &&Channel| matches!(c.kind, Dac | Dcu | Control);
+        for &(name, value) in values {
+            let all = || self.channels.iter().filter(is_settable);
+            let channel = all().find(|c| c.name == name).ok_or_else(|| {
+                let remedy = suggestion(name, all().map(|c| c.name.as_str()));
+                let kind = "DAC, DCU or control line";
+                ConsoleFault::NoChannel { kind, name: name.to_owned(), remedy }
+            })?;
+            let number = channel.number as usize;
+            match channel.kind {
+                Dac => updates.set_dac(number, value),
+                Dcu => updates.set_dcu(number, value),
+                _ => updates.set_control(number, value != 0.0),
+            }
+        }
+        Ok(updates)
+    }
+
+    /// Lets updates take effect while the machine does not operate.
+    pub fn preset(&mut self, updates: &Updates) -> Result<(), ConsoleFault> {
+        self.done("the preset", &Request::Preset(*updates))
     }
 
     /// Net values now, in IC or HOLD.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when refused or the partner is gone.
     pub fn read(&mut self, nets: Vec<String>) -> Result<Vec<f64>, ConsoleFault> {
         match request(self.port, &Request::Read(nets))? {
             Reply::Values(values) => Ok(values),
@@ -184,9 +191,6 @@ impl<'p> Console<'p> {
     }
 
     /// What ended the last run, and latched overloads.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when the partner is gone.
     pub fn diagnose(&mut self) -> Result<Diagnosis, ConsoleFault> {
         match request(self.port, &Request::Diagnose)? {
             Reply::Diagnosis { fault, overloads } => Ok(Diagnosis { fault, overloads }),
@@ -224,9 +228,6 @@ impl<'p> Console<'p> {
     }
 
     /// Ends the session.
-    ///
-    /// # Errors
-    /// [`ConsoleFault`] when the partner is gone already.
     pub fn bye(self) -> Result<(), ConsoleFault> {
         match request(self.port, &Request::Bye)? {
             Reply::Done => Ok(()),

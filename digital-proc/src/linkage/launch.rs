@@ -76,9 +76,6 @@ enum Partner {
 
 impl Started {
     /// Starts or joins the analog side.
-    ///
-    /// # Errors
-    /// [`LaunchFault`] when there is no session, process or link to be had.
     pub fn new(
         link: &LinkChoice,
         analog: AnalogEntry,

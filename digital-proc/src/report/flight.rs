@@ -25,9 +25,6 @@ const VARIABLES: [Row; 10] = [
 ];
 
 /// The ten variables in the paper's order; `q_alpha_limit_padeg` is drawn beside Qα.
-///
-/// # Errors
-/// The trace lacks a column.
 pub fn ten_variables(trace: &Trace, q_alpha_limit_padeg: f64) -> Result<Vec<Figure>, RunDirError> {
     let time_s = trace.time_s();
     let figure = |(id, quantity, unit, curves): Row| {

@@ -43,9 +43,6 @@ pub fn end_without_reader() {
 
 /// A flag that each signal that ends a run sets: an interrupt, a request to end, a closed
 /// terminal. Under `nohup` a closed terminal ends nothing.
-///
-/// # Errors
-/// The system refuses a handler.
 pub fn interrupt_flag() -> io::Result<Arc<AtomicBool>> {
     let flag = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
@@ -65,9 +62,6 @@ fn is_ignored(signal: i32) -> bool {
 }
 
 /// Sees to it that this process may open as many files as a session needs.
-///
-/// # Errors
-/// The limit is lower and cannot be raised; the text has the remedy.
 pub fn expect_files() -> Result<(), String> {
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     let enough = |limit: Option<u64>| limit.is_none_or(|n| n >= FILES);

@@ -24,15 +24,19 @@ use crate::{
     failure::Failure,
     note,
     report::{
-        Numbering, Section, Summary, Table, claims_table, claims_text, page, provenance,
-        side_by_side,
+        Numbering, Section, Summary, Table, claims_table, claims_text, page,
+        plot::{LineChart, line_chart},
+        provenance, side_by_side,
     },
-    run_dir::{Curves, RunDirectory, RunRecord},
+    run_dir::{Curves, RunDirectory, RunRecord, Seed},
     say,
 };
 use maud::{Markup, html};
 use serde_json::{Map, Value, json};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 /// A table of more rows is folded on a page.
 const MOST_ROWS: usize = 60;
@@ -52,6 +56,10 @@ pub struct Outcome {
     pub claims: Vec<Claim>,
     /// What a reader of the numbers must know.
     pub remarks: Vec<String>,
+    /// What was set, for the run's record.
+    pub parameters: toml::Table,
+    /// Seeds of random sources, for the same.
+    pub seeds: BTreeMap<String, Seed>,
     /// What beside a claim that fails makes the command end with exit code 1.
     pub refused: Vec<String>,
     /// Curves by the name of their trace.
@@ -101,6 +109,16 @@ impl Outcome {
     /// Nothing yet.
     pub fn new(title: impl Into<String>, lead: impl Into<String>) -> Outcome {
         Outcome { title: title.into(), lead: lead.into(), ..Outcome::default() }
+    }
+
+    /// Notes a parameter of the run.
+    pub fn set(&mut self, name: &str, value: impl Into<toml::Value>) {
+        self.parameters.insert(name.to_owned(), value.into());
+    }
+
+    /// A statement about the run itself, true or false.
+    pub fn check(&mut self, id: &'static str, statement: impl Into<String>, holds: bool) {
+        self.claims.push(Claim::check(id, statement, holds));
     }
 
     /// The section of that title, begun if need be: what follows is put there.
@@ -158,7 +176,8 @@ impl Outcome {
         }
         if !self.claims.is_empty() {
             out.push_str(&format!("\n{}", claims_text(&self.claims)));
-            for claim in &self.claims {
+            // Of the others it stands beside the verdict.
+            for claim in self.claims.iter().filter(|c| c.holds()) {
                 if let Some(remark) = &claim.remark {
                     out.push_str(&format!("{}: {remark}\n", claim.id));
                 }
@@ -212,17 +231,19 @@ impl Outcome {
     /// A file that cannot be written; a claim that fails.
     pub fn publish(&self, run: &Run, json: bool) -> Result<(), Failure> {
         let directory = &run.directory;
-        directory.write_record(&run.record)?;
+        let mut record = run.record.clone();
+        record.parameters.extend(self.parameters.clone());
+        record.seeds.extend(self.seeds.clone());
+        directory.write_record(&record)?;
         for (name, curves) in &self.traces {
             curves.write(directory, name)?;
         }
         for (name, table) in self.tables() {
             directory.write_file(&format!("{name}.csv"), &table.csv().map_err(Failure::output)?)?;
         }
-        let summary =
-            self.json(&run.record.command, Some(directory.path()), self.verdict().as_ref());
+        let summary = self.json(&record.command, Some(directory.path()), self.verdict().as_ref());
         directory.write_summary(&summary)?;
-        let report = directory.write_report(&self.page(&run.record))?;
+        let report = directory.write_report(&self.page(&record))?;
         let report = format!("{}report: {}", self.text(), report.display());
         self.say(if json { format!("{summary:#}") } else { report }, json)
     }
@@ -312,6 +333,16 @@ impl SectionOf<'_> {
     pub fn figure(self, figure: Figure) -> Self {
         self.0.push(Part::Figure(figure));
         self
+    }
+
+    /// A figure of curves.
+    pub fn chart(
+        self,
+        id: impl Into<String>,
+        caption: impl Into<String>,
+        chart: &LineChart,
+    ) -> Self {
+        self.figure(Figure::new(id, caption, line_chart(chart)))
     }
 
     /// Figures side by side.

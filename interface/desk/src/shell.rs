@@ -65,9 +65,6 @@ pub enum Manual {
 
 impl Manual {
     /// Prints or writes what is asked for of `C`.
-    ///
-    /// # Errors
-    /// A page that cannot be written.
     pub fn execute<C: CommandFactory>(self) -> Result<(), Failure> {
         let mut command = C::command();
         let mut text = Vec::new();

@@ -4,7 +4,6 @@
 //! A curve of n breakpoints has n + 1 pieces. Within a step one piece is in
 //! force and is extended as a straight line; leaving its interval is an event.
 
-use crate::machine::Frozen;
 use crate::op::Term;
 use crate::signal::Signal;
 
@@ -79,8 +78,9 @@ impl Curve {
         self.corners(breakpoints).partition_point(|x| *x < u) as u32
     }
 
-    pub(crate) fn install(&self, region: u32, f: &mut Frozen, element: usize) {
-        f.piece[element] = f.pieces[(self.pieces + region) as usize];
+    /// The piece of a region, of all pieces.
+    pub fn piece(&self, region: u32, pieces: &[Piece]) -> Piece {
+        pieces[(self.pieces + region) as usize]
     }
 }
 
@@ -126,11 +126,11 @@ pub struct DigitalFunction {
 
 impl DigitalFunction {
     /// Rewrites the pieces from the ordinates now held.
-    pub(crate) fn load(&self, breakpoints: &[f64], f: &mut Frozen) {
+    pub fn load(&self, breakpoints: &[f64], dcus: &[f64], pieces: &mut [Piece]) {
         let first = self.first as usize;
         let x = self.curve.corners(breakpoints);
-        let y = &f.dcus[first..first + x.len()];
-        let pieces = &mut f.pieces[self.curve.pieces as usize..];
+        let y = &dcus[first..first + x.len()];
+        let pieces = &mut pieces[self.curve.pieces as usize..];
         for (place, piece) in pieces.iter_mut().zip(table(x, y)) {
             *place = piece;
         }

@@ -1,6 +1,5 @@
 //! Mode control of single integrators: operate, hold, reset, feedback-diode limits.
 
-use crate::machine::Frozen;
 use crate::op::{Slot, Term};
 use crate::signal::Signal;
 
@@ -16,22 +15,19 @@ pub struct Control {
 }
 
 impl Control {
-    /// Applies the logic as it now stands; `before` are the nets before this pass.
-    /// True when the state moved.
-    #[allow(clippy::too_many_arguments, reason = "the running state, borrowed apart")]
-    pub(crate) fn apply(
+    /// Applies the logic as it now stands; `before` are the nets before this pass, `previous`
+    /// the reset level of the last settling, `free` whether no stop holds the output. Whether
+    /// the state moved, and whether it runs.
+    pub fn apply(
         &self,
-        index: usize,
-        stores: usize,
         ics: &[f64],
-        f: &mut Frozen,
+        (previous, free): (&mut f64, bool),
         before: &[f64],
         nets: &mut [f64],
         initial: bool,
-    ) -> bool {
+    ) -> (bool, bool) {
         let mut moved = false;
         let resetting = self.reset.is_some_and(|s| nets[s as usize] != 0.0);
-        let previous = &mut f.previous[stores + index];
         let edge = resetting && *previous == 0.0 && !initial;
         *previous = f64::from(resetting);
         if edge {
@@ -41,9 +37,7 @@ impl Control {
             nets[state] = target;
         }
         let operating = self.operate.is_none_or(|s| nets[s as usize] != 0.0);
-        let free = self.stops.is_none_or(|e| f.region[e as usize] == Stops::FREE);
-        f.running[index] = operating && !resetting && free;
-        moved
+        (moved, operating && !resetting && free)
     }
 }
 

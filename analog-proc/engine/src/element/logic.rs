@@ -2,7 +2,6 @@
 //! watch edges. They act after all memoryless logic of an instant, all at once: each
 //! looks at the levels of before any of them has switched.
 
-use crate::machine::Frozen;
 use crate::op::Slot;
 
 /// One storing element and the net it drives.
@@ -27,13 +26,13 @@ pub struct Edge {
 
 impl Store {
     /// Acts on the logic as it now stands: the output and its new value, where it changes.
-    pub(crate) fn act(
+    /// `previous` is its input at the last settling.
+    pub fn act(
         &self,
-        index: usize,
-        f: &mut Frozen,
+        previous: &mut f64,
+        timer_s: &mut [f64],
         nets: &[f64],
-        t_s: f64,
-        initial: bool,
+        (t_s, initial): (f64, bool),
         edges: &mut Vec<Edge>,
     ) -> Option<(Slot, f64)> {
         let input = match *self {
@@ -42,8 +41,8 @@ impl Store {
             Store::Counter { clock, .. } => clock,
         };
         let level = nets[input as usize] != 0.0;
-        let was = f.previous[index] != 0.0;
-        f.previous[index] = f64::from(level);
+        let was = *previous != 0.0;
+        *previous = f64::from(level);
         let rising = level && !was && !initial;
         let (o, value) = match *self {
             Store::FlipFlop { o, set, reset } => {
@@ -62,7 +61,7 @@ impl Store {
                 if !rising {
                     return None;
                 }
-                f.timer_s[timer as usize] = t_s + width_s;
+                timer_s[timer as usize] = t_s + width_s;
                 (o, 1.0)
             }
             Store::Counter { o, reset, modulo, .. } => {

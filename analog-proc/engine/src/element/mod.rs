@@ -1,6 +1,7 @@
 //! What blocks become: elements with regions, sources, stores and delay lines.
 #![allow(missing_docs)]
 
+mod choose;
 pub mod curve;
 pub mod dac;
 pub mod delay;

@@ -26,6 +26,11 @@ const GROWTH: f64 = 4.0;
 /// block itself tells whether it passes through.
 const NEAR_ZERO: f64 = 1e-12;
 
+/// A vector that is no longer than this part of its greatest value, and that its rate brings to
+/// zero or back within some resolutions of time, is at its origin; a longer one spins.
+const AT_ORIGIN: f64 = 1e-9;
+const ORIGIN_SPAN: f64 = 64.0;
+
 /// A step that turns out longer than its bound by this factor is not accepted.
 const SLACK: f64 = 1.5;
 
@@ -50,6 +55,48 @@ pub enum Pace {
     Pole(Slot),
     /// A delay line.
     Line(u32),
+}
+
+/// The vector of an arctangent.
+struct Vector {
+    y: Rated,
+    x: Rated,
+}
+
+impl Vector {
+    #[inline(always)]
+    fn of(y: Term, x: Term, nets: &[Rated]) -> Vector {
+        Vector { y: y.of(nets), x: x.of(nets) }
+    }
+
+    #[inline(always)]
+    fn square(&self) -> f64 {
+        self.x.value * self.x.value + self.y.value * self.y.value
+    }
+
+    /// The rate of its angle, times its square.
+    #[inline(always)]
+    fn turn(&self) -> f64 {
+        self.x.value * self.y.rate - self.y.value * self.x.rate
+    }
+
+    /// Half the rate of its square.
+    #[inline(always)]
+    fn growth(&self) -> f64 {
+        self.x.value * self.x.rate + self.y.value * self.y.rate
+    }
+
+    fn size(&self) -> f64 {
+        self.x.value.abs().max(self.y.value.abs())
+    }
+
+    fn is_zero(&self) -> bool {
+        self.x.value == 0.0 && self.y.value == 0.0
+    }
+
+    fn moves(&self) -> bool {
+        self.x.rate != 0.0 || self.y.rate != 0.0
+    }
 }
 
 impl Pace {
@@ -87,9 +134,13 @@ impl Pace {
         match *self {
             Pace::Angle(term, turn) => turn / (term.c * nets[term.slot as usize].rate).abs(),
             Pace::Direction { y, x, .. } => {
-                let (y, x): (Rated, Rated) = (y.of(nets), x.of(nets));
-                let turn = (x.value * y.rate - y.value * x.rate).abs();
-                TURN * (x.value * x.value + y.value * y.value) / turn
+                let vector = Vector::of(y, x, nets);
+                let (square, growth) = (vector.square(), vector.growth());
+                if square < f64::MIN_POSITIVE {
+                    return f64::INFINITY;
+                }
+                let turn_s = TURN * square / vector.turn().abs();
+                if growth < 0.0 { turn_s.min(APPROACH * square / -growth) } else { turn_s }
             }
             Pace::Pole(slot) => {
                 let u = nets[slot as usize];
@@ -116,12 +167,14 @@ impl Pace {
                 term.c.abs() * most <= SLACK * turn
             }
             Pace::Direction { y, x, .. } => {
-                let (y0, x0): (Rated, Rated) = (y.of(start), x.of(start));
-                let (y, x): (Rated, Rated) = (y.of(end), x.of(end));
-                let turn = h_s * (x.value * y.rate - y.value * x.rate).abs();
-                let ahead = x0.value * x.value + y0.value * y.value;
-                let across = (x0.value * y.value - y0.value * x.value).abs();
-                turn <= SLACK * TURN * (x.value * x.value + y.value * y.value)
+                let (from, to) = (Vector::of(y, x, start), Vector::of(y, x, end));
+                // At its origin it has the angle of its rate, which an event finds.
+                let lost = if to.is_zero() { to.moves() } else { from.is_zero() && !from.moves() };
+                let ahead = from.x.value * to.x.value + from.y.value * to.y.value;
+                let across = (from.x.value * to.y.value - from.y.value * to.x.value).abs();
+                !lost
+                    && h_s * to.turn().abs() <= SLACK * TURN * to.square()
+                    && -h_s * to.growth() <= SLACK * GROWTH * to.square()
                     && across <= MOST_TURN * ahead
             }
             Pace::Pole(slot) => {
@@ -137,7 +190,7 @@ impl Pace {
 /// What is known of the paces of a running machine.
 #[derive(Clone, Debug)]
 pub struct Paces {
-    /// The greatest magnitude of each divisor or radicand so far.
+    /// The greatest magnitude of each divisor, radicand or vector so far.
     largest: Vec<f64>,
     /// The longest step from here, s, and what bounds it.
     pub limit_s: f64,
@@ -157,15 +210,41 @@ impl Paces {
     pub fn look(&mut self, machine: &Machine, lines: &[DelayLine], t_s: f64, nets: &[Rated]) {
         self.limit_s = f64::INFINITY;
         for (i, (pace, _)) in machine.paces.iter().enumerate() {
-            if let Pace::Pole(slot) = pace {
-                self.largest[i] = self.largest[i].max(nets[*slot as usize].value.abs());
-            }
+            let size = match *pace {
+                Pace::Pole(slot) => nets[slot as usize].value.abs(),
+                Pace::Direction { y, x, .. } => Vector::of(y, x, nets).size(),
+                Pace::Angle(..) | Pace::Line(_) => 0.0,
+            };
+            self.largest[i] = self.largest[i].max(size);
             let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i]);
             // What does not move has no bound, even where it is not defined.
             if limit_s < self.limit_s {
                 (self.limit_s, self.bounded_by) = (limit_s, i);
             }
         }
+    }
+
+    /// The element of a vector that is at its origin as far as time is resolved, to
+    /// `resolution_s`: of what bounds the step, where that is too short (`bounded`); else one that
+    /// is about to pass.
+    pub fn at_origin(
+        &self,
+        machine: &Machine,
+        resolution_s: f64,
+        nets: &[Rated],
+        bounded: bool,
+    ) -> Option<u32> {
+        machine.paces.iter().enumerate().find_map(|(i, (pace, _))| {
+            let Pace::Direction { e, y, x } = *pace else {
+                return None;
+            };
+            let vector = Vector::of(y, x, nets);
+            let (size, rate) = (vector.size(), vector.x.rate.abs().max(vector.y.rate.abs()));
+            let near =
+                size <= AT_ORIGIN * self.largest[i] && size <= ORIGIN_SPAN * resolution_s * rate;
+            let causes = if bounded { i == self.bounded_by } else { size > 0.0 };
+            (near && causes).then_some(e)
+        })
     }
 
     /// Whether the step of `h_s` between these nets hid nothing.

@@ -28,7 +28,9 @@ pub(crate) fn jacobian(
             .abs()
             .max(system.atol[j] / system.rtol.max(f64::EPSILON))
             .max(LEAST_PART * greatest);
+        // Where it goes to: behind it there may be a jump that it has just passed.
         let delta = f64::EPSILON.sqrt() * scale.max(f64::MIN_POSITIVE.sqrt());
+        let delta = delta.copysign(origin[j]);
         nets[j] = y0[j] + delta;
         let step = nets[j] - y0[j];
         machine.derivatives(frozen, t_s, nets, moved);

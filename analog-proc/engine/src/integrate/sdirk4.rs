@@ -31,6 +31,10 @@ const ITERATIONS: usize = 10;
 const STAGE_TOLERANCE: f64 = 1e-2;
 /// Convergence slower than this asks for a fresh Jacobian in the next step.
 const SLOW: f64 = 0.1;
+/// A Jacobian that tells so many times the change of a rate over a step is not that of the step …
+const TOO_GREAT: f64 = 4.0;
+/// … where its parts do not cancel: what is left of those may be its curvature.
+const LEAST_SUM: f64 = 0.5;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Sdirk4 {
@@ -90,8 +94,19 @@ impl Sdirk4 {
         }
         // Stiffly accurate: the last stage is the result, and `nets` hold it.
         step.y1.copy_from_slice(&nets[..n]);
+        let doubtful = (0..n).any(|i| self.moved(i, &system, step).is_some());
+        if doubtful {
+            nets[..n].copy_from_slice(&step.y0);
+            system.machine.derivatives(system.frozen, step.t0_s + h, nets, &mut self.scratch);
+            step.evaluations += 1;
+            nets[..n].copy_from_slice(&step.y1);
+        }
         system.machine.derivatives(system.frozen, step.t0_s + h, nets, &mut step.f1);
         step.evaluations += 1;
+        if doubtful && self.is_held(&system, step) {
+            self.restart();
+            return f64::INFINITY;
+        }
         // The stage derivative is free of the amplification of the iteration error by stiffness.
         step.f1.copy_from_slice(&self.k[STAGES - 1]);
         for i in 0..n {
@@ -110,6 +125,31 @@ impl Sdirk4 {
         }
         let residual = &self.residual;
         step.norm(&system, |i| residual[i])
+    }
+
+    /// What the Jacobian makes of the step in the rate of state `i`, and of what parts; `None` where
+    /// that is less than the tolerance.
+    fn moved(&self, i: usize, system: &System, step: &Step) -> Option<(f64, f64)> {
+        let (y0, y1) = (&step.y0, &step.y1);
+        let (mut sum, mut parts) = (0.0, 0.0);
+        for j in 0..y0.len() {
+            let part = self.jacobian[(i, j)] * (y1[j] - y0[j]);
+            sum += part;
+            parts += part.abs();
+        }
+        let scale = system.atol[i] + system.rtol * y0[i].abs().max(y1[i].abs());
+        (step.h_s * GAMMA * sum.abs() > scale).then_some((sum, parts))
+    }
+
+    /// Whether the Jacobian, of before or of differences over a jump, is too great for the step: it
+    /// then makes all corrections small, also of stages that are not solved. `scratch` holds the
+    /// rates of the start's states at the end.
+    fn is_held(&self, system: &System, step: &Step) -> bool {
+        let changes = step.f1.iter().zip(&self.scratch).map(|(f1, f)| (f1 - f).abs());
+        changes.enumerate().any(|(i, change)| {
+            self.moved(i, system, step)
+                .is_some_and(|(sum, parts)| sum.abs() > (TOO_GREAT * change).max(LEAST_SUM * parts))
+        })
     }
 
     /// Solves one stage; the rate of convergence, `None` when it fails.

@@ -8,70 +8,9 @@
 //! rests on the same counts of readers, made before the first of them.
 
 use super::rows::{Row, Rows};
-use super::{Kernel, Place, Scaled, Step};
+use super::weights::{Part, Place, Weights};
+use super::{Kernel, Step};
 use crate::op::{Op, Slot, Term};
-
-/// A net read with a weight `c · Π dcus`.
-#[derive(Clone, Debug)]
-pub struct Part {
-    pub slot: Slot,
-    c: f64,
-    dcus: Vec<u32>,
-}
-
-impl Part {
-    fn plain(slot: Slot, c: f64) -> Part {
-        let dcus = Vec::new();
-        Part { slot, c, dcus }
-    }
-
-    /// What this part becomes where the net it reads is itself `inner`.
-    fn times(&self, inner: &Part) -> Part {
-        let mut dcus = self.dcus.clone();
-        dcus.extend_from_slice(&inner.dcus);
-        Part { slot: inner.slot, c: self.c * inner.c, dcus }
-    }
-}
-
-/// The flat array of weights under construction.
-#[derive(Default)]
-pub struct Weights {
-    base: Vec<f64>,
-    scaled: Vec<Scaled>,
-}
-
-impl Weights {
-    /// The place of one more weight of the rows.
-    pub fn push(&mut self, part: &Part) -> u32 {
-        let place = self.base.len();
-        self.base.push(part.c);
-        self.scale(Place::Row(place), part);
-        place as u32
-    }
-
-    pub fn push_all(&mut self, parts: &[Part]) -> u32 {
-        let start = self.base.len() as u32;
-        for part in parts {
-            self.push(part);
-        }
-        start
-    }
-
-    /// Weights that stand in operation `index` itself.
-    fn within<const N: usize>(&mut self, index: usize, parts: &[Part]) -> [f64; N] {
-        std::array::from_fn(|k| {
-            let part = &parts[k];
-            self.scale(Place::Step { index, k }, part);
-            part.c
-        })
-    }
-
-    fn scale(&mut self, place: Place, part: &Part) {
-        if !part.dcus.is_empty() {
-            self.scaled.push(Scaled { place, base: part.c, dcus: part.dcus.clone() });
-        }
-    }
-}
 
 struct Folding<'a> {
     ops: &'a [Op],

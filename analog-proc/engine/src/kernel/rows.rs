@@ -4,7 +4,7 @@
 //! evaluated. A band is a run of rows for neighbouring states whose nets are
 //! neighbours too; it is a loop over slices, which the compiler vectorises.
 
-use super::fold::{Part, Weights};
+use super::weights::{Part, Weights};
 use crate::op::Slot;
 
 /// Fewest rows that are worth a loop of their own.

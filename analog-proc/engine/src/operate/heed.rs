@@ -5,7 +5,7 @@
 //! last ([`WORK`]); rejected attempts and the probes for crossings count. An answer ends
 //! a run or leaves it as it is, to the last bit.
 
-use crate::simulation::Statistics;
+use crate::statistics::Statistics;
 use std::ops::ControlFlow;
 
 /// Passes times states between two questions: some 50 µs, for a patch of any size. A

@@ -4,7 +4,7 @@ use super::crossing::Ending;
 use super::instants::resolution_s;
 use super::{Engine, Heed, Recorder};
 use crate::fault::RunFault;
-use crate::integrate::System;
+use crate::integrate::{Scheme, System};
 
 /// Factor below the step at which the error estimate would just be met.
 const SAFETY: f64 = 0.9;
@@ -16,6 +16,9 @@ const GROW: f64 = 10.0;
 
 /// Weight of the former error in the controller (Hairer's choice for this method).
 const BETA: f64 = 0.04;
+
+/// Resolutions of time from one side of a vector's origin to the other.
+const ORIGIN_STEP: f64 = 8.0;
 
 /// First step of a patch without integrators, s.
 const FIRST_STEP_S: f64 = 1e-3;
@@ -86,6 +89,58 @@ impl Engine {
         recorder: Option<&mut Recorder<'_>>,
         heed: &mut Heed<'_>,
     ) -> Result<(), RunFault> {
+        let (origin, (end_s, ending)) = match self.find_step(target_s, heed) {
+            Err(fault @ (RunFault::TooQuick { .. } | RunFault::StepUnderflow { .. })) => {
+                self.pass_origin(target_s, fault)?
+            }
+            found => (None, found?),
+        };
+        self.count_cuts(matches!(ending, Ending::Cut(_)))?;
+        let (end_s, cut, element) = match ending {
+            Ending::Crossed(end_s, element) => (end_s, true, Some(element)),
+            Ending::Cut(end_s) | Ending::Rest(end_s) => (end_s, true, None),
+            Ending::Whole | Ending::Failed => (end_s, false, None),
+        };
+        self.complete(end_s);
+        self.finish(end_s, cut, recorder)?;
+        if let Some(element) = element.or(origin) {
+            self.statistics.events += 1;
+            self.count_chatter(element)?;
+            self.settle(false, Some(0))?;
+        }
+        if origin.is_some() {
+            self.next_step_s = self.first_step_s();
+        }
+        Ok(())
+    }
+
+    /// Where time resolves no step because a vector is at its origin, a straight step to the other
+    /// side: its angle jumps there, by an event of the element that is returned. Else it is the
+    /// `fault` that it was.
+    fn pass_origin(
+        &mut self,
+        target_s: f64,
+        fault: RunFault,
+    ) -> Result<(Option<u32>, (f64, Ending)), RunFault> {
+        let resolution_s = resolution_s(self.t_s);
+        let (paces, bounded) = (&self.paces, matches!(fault, RunFault::TooQuick { .. }));
+        let origin = paces.at_origin(&self.machine, resolution_s, &self.rated_start, bounded);
+        if origin.is_none() {
+            return Err(fault);
+        }
+        let end_s = target_s.min(self.t_s + ORIGIN_STEP * resolution_s);
+        // What the angle is beyond is known there only: no stage may look at it before.
+        let scheme = std::mem::replace(&mut self.scheme, Scheme::Euler);
+        self.step.quartic.fill(0.0);
+        self.attempt(end_s - self.t_s);
+        self.rate_end();
+        let ending = self.find_crossing(end_s);
+        self.scheme = scheme;
+        Ok((origin, (end_s, ending?)))
+    }
+
+    /// The longest step towards `target_s` that shows all that happens in it.
+    fn find_step(&mut self, target_s: f64, heed: &mut Heed<'_>) -> Result<(f64, Ending), RunFault> {
         let room_s = target_s - self.t_s;
         let adaptive = self.scheme.adaptive();
         let cap_s = self.cap_s();
@@ -100,7 +155,7 @@ impl Engine {
         let mut end_s = self.end_of(h_s, target_s, room_s);
         let mut rejected = false;
         let mut former = None;
-        let ending = loop {
+        loop {
             // The step as time resolves it; the wish goes on shrinking below that.
             let step_s = end_s - self.t_s;
             let error = self.attempt(step_s);
@@ -118,7 +173,7 @@ impl Engine {
                     let ending = self.find_crossing(end_s)?;
                     if !matches!(ending, Ending::Failed) {
                         self.propose(error, step_s, proposal_s, rejected);
-                        break ending;
+                        return Ok((end_s, ending));
                     }
                 }
                 0.5
@@ -132,20 +187,7 @@ impl Engine {
                 return Err(if inaccurate { self.underflow(error, h_s) } else { self.too_quick() });
             }
             end_s = self.end_of(h_s, target_s, room_s);
-        };
-        self.count_cuts(matches!(ending, Ending::Cut(_)))?;
-        let (end_s, cut) = match ending {
-            Ending::Cut(end_s) | Ending::Rest(end_s) | Ending::Crossed(end_s, _) => (end_s, true),
-            Ending::Whole | Ending::Failed => (end_s, false),
-        };
-        self.complete(end_s);
-        self.finish(end_s, cut, recorder)?;
-        if let Ending::Crossed(_, element) = ending {
-            self.statistics.events += 1;
-            self.count_chatter(element)?;
-            self.settle(false, Some(0))?;
         }
-        Ok(())
     }
 
     /// Whether nothing hides in the step; without one before it that tells, its middle is

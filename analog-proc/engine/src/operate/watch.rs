@@ -7,6 +7,7 @@
 use super::Engine;
 use super::search::START;
 use crate::element::pace::Pace;
+use crate::element::piecewise::{LEFT_DOWNWARD, LOWER_SHEET};
 use crate::machine::Machine;
 use crate::signal::{Doubted, Rated, Signal};
 
@@ -76,12 +77,14 @@ impl Engine {
         for (pace, _) in &self.machine.paces {
             if let Pace::Direction { e, .. } = *pace {
                 self.frozen.piece[e as usize].y0 = 0.0;
+                let sheet = &mut self.frozen.region[e as usize];
+                *sheet = (*sheet).min(LOWER_SHEET);
             }
         }
     }
 
-    /// After settling: a vector that is zero has the angle to which it leaves; zero, if it does not
-    /// move. Whether that changes an angle.
+    /// After settling: a vector that is zero has the angle to which it leaves, and its sheet; zero,
+    /// if it does not move. Whether that changes an angle.
     pub(super) fn turn_vectors(&mut self) -> bool {
         let mut turned = false;
         for (pace, _) in &self.machine.paces {
@@ -95,6 +98,7 @@ impl Engine {
                 let place = &mut self.frozen.piece[e as usize].y0;
                 turned |= *place != angle;
                 *place = angle;
+                self.frozen.region[e as usize] = if angle < 0.0 { LEFT_DOWNWARD } else { 0 };
             }
         }
         turned

@@ -95,7 +95,7 @@ impl Component for Dcu {
     }
 
     fn symbol(&self, pen: &mut Pen) {
-        pen.circle();
+        pen.circle(0.0, 1.0);
         pen.text(0.0, -1.0, "tiny", "DCU");
         pen.text(0.0, 10.0, "tiny", &self.channel.to_string());
     }

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::draw::round;
-use svg::node::element::{Circle, Path};
 
 kind! {
     And
@@ -55,12 +54,7 @@ impl Component for Not {
 
     fn symbol(&self, pen: &mut Pen) {
         pen.outline("body", &[(-1.0, -1.0), (0.6, 0.0), (-1.0, 1.0)], true);
-        let bubble = Circle::new()
-            .set("class", "body")
-            .set("cx", round(pen.x + 0.8 * pen.half_width))
-            .set("cy", round(pen.y))
-            .set("r", round(0.2 * pen.half_width));
-        pen.add(bubble);
+        pen.circle(0.8, 0.2);
     }
 }
 
@@ -77,6 +71,6 @@ fn gate(pen: &mut Pen, is_or: bool) {
     } else {
         format!("M{left} {top}H{x}Q{right} {top} {right} {y}Q{right} {bottom} {x} {bottom}H{left}Z")
     };
-    pen.add(Path::new().set("class", "body").set("d", d));
+    pen.body(&d);
     pen.text(-4.0, 5.0, "word", if is_or { "≥1" } else { "&" });
 }

@@ -145,7 +145,7 @@ impl Component for Time {
     }
 
     fn symbol(&self, pen: &mut Pen) {
-        pen.circle();
+        pen.circle(0.0, 1.0);
         pen.text(0.0, 5.0, "word", "t");
     }
 }

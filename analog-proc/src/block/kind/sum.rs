@@ -70,7 +70,7 @@ impl Component for Pot {
     }
 
     fn symbol(&self, pen: &mut Pen) {
-        pen.circle();
+        pen.circle(0.0, 1.0);
         pen.text(0.0, 4.0, "tiny", &number(self.k));
     }
 }

@@ -97,7 +97,7 @@ impl<const N: usize> Bench<N> {
     ) -> Result<(Response<N>, Vec<Occurrence>), ConsoleFault> {
         // The initial conditions first: they reset what a stopped run left behind.
         console.set_ics(owned(case.initial_conditions()))?;
-        console.preset(owned(case.settings()))?;
+        console.preset(&console.settings(&case.settings())?)?;
         let mut response = Response::new(sample_s);
         let mut saturated = false;
         let ended = console.run(spec, &mut |samples: &Samples, _: &mut Updates| {

@@ -56,14 +56,13 @@ pub fn claims_text(claims: &[Claim]) -> String {
     let (ids, words) = (width(|c| &*c.id), width(|c| c.verdict.words()));
     let mut out = String::new();
     for claim in claims {
-        let verdict = claim.verdict.words();
-        out.push_str(&format!(
-            "{} {verdict:words$}  {:ids$}  {}  (criterion: {})\n",
-            claim.verdict.mark(),
-            claim.id,
-            claim.measured,
-            claim.criterion
-        ));
+        let (mark, verdict) = (claim.verdict.mark(), claim.verdict.words());
+        // A check says all in its sentence.
+        let said = match claim.criterion.as_str() {
+            "" => claim.sentence.to_string(),
+            criterion => format!("{}  (criterion: {criterion})", claim.measured),
+        };
+        out.push_str(&format!("{mark} {verdict:words$}  {:ids$}  {said}\n", claim.id));
         if let (false, Some(remark)) = (claim.holds(), &claim.remark) {
             out.push_str(&format!("  {:words$}  {:ids$}  {remark}\n", "", ""));
         }

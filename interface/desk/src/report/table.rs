@@ -121,6 +121,11 @@ impl<R> Column<R> {
         self.heading.digits = digits;
         self
     }
+
+    /// A column with so many digits whose accessor needs no type: in a list the first one's tells.
+    pub fn of(label: &str, unit: &str, digits: usize, of: fn(&R) -> Cell) -> Column<R> {
+        Column { heading: Heading::new(label, unit).digits(digits), of }
+    }
 }
 
 /// A table. Rows shorter than the headings are filled with blanks; longer ones are cut.
@@ -231,9 +236,6 @@ impl Table {
     }
 
     /// Every digit of its numbers, the unit in brackets in the heading.
-    ///
-    /// # Errors
-    /// Those of the writer, which has nothing but memory to fail.
     pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(self.headings.iter().map(|h| {

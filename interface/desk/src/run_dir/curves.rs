@@ -30,9 +30,6 @@ impl Curves {
     }
 
     /// Writes them as `name` into a run's directory.
-    ///
-    /// # Errors
-    /// Two columns of one name, or a file that cannot be written.
     pub(crate) fn write(&self, directory: &RunDirectory, name: &str) -> Result<(), RunDirError> {
         let mut trace = directory.create_stream(name, &self.columns, BATCH_ROWS)?;
         let rows = self.values.iter().map(Vec::len).max().unwrap_or(0);

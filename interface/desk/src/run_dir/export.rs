@@ -9,9 +9,6 @@ use std::io::{self, Write};
 use super::Trace;
 
 /// Writes `trace` to `sink`. Values that are not numbers appear as `NaN`, `inf`, `-inf`.
-///
-/// # Errors
-/// The sink fails.
 pub fn write_csv<W: Write>(trace: &Trace, sink: W) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(sink);
     let headings = trace.columns().iter().map(|column| {

@@ -37,9 +37,6 @@ pub struct RunEntry {
 
 /// The runs under `base`, oldest first (names begin with the time). No base: no runs.
 /// Directories without `run.toml` are passed over.
-///
-/// # Errors
-/// The base exists but cannot be read.
 pub fn list_runs(base: &Path) -> Result<Vec<RunEntry>, RunDirError> {
     Ok(names(base)?
         .into_iter()
@@ -65,9 +62,6 @@ pub fn list_runs(base: &Path) -> Result<Vec<RunEntry>, RunDirError> {
 /// The run that `text` names: a path, a name under `base`, `last`, or the beginning of exactly
 /// one name, up to a whole part of it. A namesake's number is no continuation: `X` may be the
 /// whole name of a run that is gone, and never means `X-2`.
-///
-/// # Errors
-/// None or several answer to it.
 pub fn resolve(base: &Path, text: &str) -> Result<RunDirectory, RunDirError> {
     let as_path = Path::new(text);
     if as_path.components().count() > 1 || as_path.is_absolute() {
@@ -157,9 +151,12 @@ fn chronological(name: &str) -> (String, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::tests::sample;
-    use super::super::{RunDirectory, UtcSecond};
+    use super::super::{RunDirectory, RunRecord, UtcSecond};
     use super::*;
+
+    fn sample() -> RunRecord {
+        RunRecord::begin("fly normal", UtcSecond(0), "ideal", "shm")
+    }
 
     fn base_with(commands: &[(&str, i64)]) -> tempfile::TempDir {
         let base = tempfile::tempdir().unwrap();

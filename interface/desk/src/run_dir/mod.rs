@@ -63,9 +63,6 @@ pub struct RunDirectory {
 impl RunDirectory {
     /// Claims a new directory `BASE/2026-03-01T12-34-56-COMMAND`, adding `-2`, `-3`, … when
     /// the name is taken. Characters of `command` outside `[A-Za-z0-9._]` become hyphens.
-    ///
-    /// # Errors
-    /// The base cannot be created or written to.
     pub fn create(
         base: &Path,
         command: &str,
@@ -100,9 +97,6 @@ impl RunDirectory {
     }
 
     /// The directory of an existing run.
-    ///
-    /// # Errors
-    /// `path` is no directory or holds no `run.toml`.
     pub fn open(path: &Path) -> Result<RunDirectory, RunDirError> {
         match holds_record(path) {
             Ok(true) => Ok(RunDirectory { path: path.to_owned() }),
@@ -130,9 +124,6 @@ impl RunDirectory {
     }
 
     /// Writes `run.toml`.
-    ///
-    /// # Errors
-    /// The file cannot be written, or the record holds what TOML cannot (see [`RunRecord`]).
     pub fn write_record(&self, record: &RunRecord) -> Result<(), RunDirError> {
         let text = record.to_toml().map_err(|e| {
             let path = self.file(RECORD_FILE);
@@ -142,9 +133,6 @@ impl RunDirectory {
     }
 
     /// Reads `run.toml` back.
-    ///
-    /// # Errors
-    /// The file is missing or is not such a record; the parser's message has the line.
     pub fn read_record(&self) -> Result<RunRecord, RunDirError> {
         let path = self.file(RECORD_FILE);
         let text = user_file::read_text(&path).map_err(RunDirError::read(&path))?;
@@ -154,9 +142,6 @@ impl RunDirectory {
     }
 
     /// Writes `summary.json`, indented. Its presence says that the run ended by itself.
-    ///
-    /// # Errors
-    /// The file cannot be written or `summary` cannot be JSON.
     pub fn write_summary(&self, summary: &impl Serialize) -> Result<(), RunDirError> {
         let text = serde_json::to_string_pretty(summary).map_err(|e| {
             let path = self.file(SUMMARY_FILE);
@@ -166,18 +151,12 @@ impl RunDirectory {
     }
 
     /// Writes `report.html`.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write_report(&self, html: &str) -> Result<PathBuf, RunDirError> {
         self.write_file(REPORT_FILE, html.as_bytes())?;
         Ok(self.file(REPORT_FILE))
     }
 
     /// Starts a trace of the given name.
-    ///
-    /// # Errors
-    /// As [`TraceWriter::new`], or the file cannot be created.
     pub fn create_stream(
         &self,
         name: &str,
@@ -190,25 +169,16 @@ impl RunDirectory {
     }
 
     /// Reads `trace.arrow` up to its last complete batch.
-    ///
-    /// # Errors
-    /// As [`Trace::read`].
     pub fn read_trace(&self) -> Result<Trace, RunDirError> {
         Trace::read(&self.file(TRACE_FILE))
     }
 
     /// The same for figures: of a long trace only what a picture shows.
-    ///
-    /// # Errors
-    /// As [`Trace::read`].
     pub fn read_trace_thinned(&self) -> Result<Trace, RunDirError> {
         Trace::read_thinned(&self.file(TRACE_FILE))
     }
 
     /// Writes any further small file whole or not at all.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn write_file(&self, name: &str, bytes: &[u8]) -> Result<(), RunDirError> {
         let path = self.file(name);
         let partial = self.file(&format!(".{name}.partial"));

@@ -104,39 +104,19 @@ impl RunRecord {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
 
-    pub(crate) fn sample() -> RunRecord {
-        RunRecord {
-            command: "fly normal".to_owned(),
-            command_line: ["digital-proc", "fly", "--mode", "normal"].map(str::to_owned).to_vec(),
-            started: "2026-03-01T12:34:56Z".to_owned(),
-            profile: "ideal".to_owned(),
-            link: "shm".to_owned(),
-            versions: BTreeMap::from([("digital-proc".to_owned(), "0.1.0".to_owned())]),
-            patch: Some(PatchIdentity { name: "stage.toml".to_owned(), sha256: "00ff".to_owned() }),
-            seeds: BTreeMap::from([("gyro-noise".to_owned(), Seed(u64::MAX))]),
-            parameters: toml::toml! {
-                frame = "100ms"
-                step_s = 0.1
-                [wind]
-                shear_per_s = 0.028
-            },
-        }
-    }
-
     #[test]
-    fn record_reads_back_equal() {
-        let text = sample().to_toml().unwrap();
-        assert_eq!(toml::from_str::<RunRecord>(&text).unwrap(), sample());
+    fn a_record_reads_back_and_a_bad_seed_says_so() {
+        let mut record = RunRecord::begin("fly normal", UtcSecond(0), "ideal", "shm");
+        record.seeds.insert("gyro-noise".to_owned(), Seed(u64::MAX));
+        record.parameters = toml::toml! { frame = "100ms" [wind] shear_per_s = 0.028 };
+        let text = record.to_toml().unwrap();
+        assert_eq!(toml::from_str::<RunRecord>(&text).unwrap(), record);
         assert!(text.contains("gyro-noise = \"0xffffffffffffffff\""), "{text}");
-    }
-
-    #[test]
-    fn a_bad_seed_says_so() {
-        let text = sample().to_toml().unwrap().replace("0xffff", "ffff");
-        let error = toml::from_str::<RunRecord>(&text).unwrap_err().to_string();
+        let damaged = text.replace("0xffff", "ffff");
+        let error = toml::from_str::<RunRecord>(&damaged).unwrap_err().to_string();
         assert!(error.contains("hexadecimal"), "{error}");
     }
 }

@@ -56,9 +56,6 @@ pub struct TraceWriter<W: Write> {
 impl<W: Write> TraceWriter<W> {
     /// Starts a trace on `sink`; `path` serves messages only. `rows_per_batch` (at least 1)
     /// is what a crash may cost: 64 is a good start for 10 to 1000 rows a second.
-    ///
-    /// # Errors
-    /// Two columns of one name (the name `tick` is taken), or `sink` fails.
     pub fn new(
         sink: W,
         path: &Path,
@@ -100,9 +97,6 @@ impl<W: Write> TraceWriter<W> {
     }
 
     /// Adds a row: `values[i]` belongs to column `i`. NaN marks a value that does not exist.
-    ///
-    /// # Errors
-    /// The wrong number of values, or the sink fails.
     pub fn push(&mut self, tick: Tick, values: &[f64]) -> Result<(), RunDirError> {
         if values.len() != self.columns.len() {
             return Err(RunDirError::Refused(format!(
@@ -129,9 +123,6 @@ impl<W: Write> TraceWriter<W> {
     }
 
     /// Writes the rows held back as a batch of their own.
-    ///
-    /// # Errors
-    /// The sink fails.
     pub fn flush(&mut self) -> Result<(), RunDirError> {
         if self.ticks.is_empty() {
             return Ok(());
@@ -151,9 +142,6 @@ impl<W: Write> TraceWriter<W> {
     }
 
     /// Writes the remaining rows and the end mark, and returns the sink.
-    ///
-    /// # Errors
-    /// The sink fails.
     pub fn finish(mut self) -> Result<u64, RunDirError> {
         self.flush()?;
         self.encoder.finish().map_err(|cause| arrow(&self.path, cause))?;

@@ -34,26 +34,17 @@ pub struct Trace {
 
 impl Trace {
     /// Reads the trace at `path` up to its last complete batch.
-    ///
-    /// # Errors
-    /// The file cannot be read, ends before its column names, or is no trace.
     pub fn read(path: &Path) -> Result<Trace, RunDirError> {
         Trace::collect(open(path)?, path, usize::MAX)
     }
 
     /// As [`Trace::read`]; of a long trace only the rows that a picture shows, so that
     /// memory stays bounded: [`Trace::recorded`] tells how many there were.
-    ///
-    /// # Errors
-    /// As [`Trace::read`].
     pub fn read_thinned(path: &Path) -> Result<Trace, RunDirError> {
         Trace::collect(open(path)?, path, MOST_ROWS)
     }
 
     /// The same from bytes in memory; `path` serves messages only.
-    ///
-    /// # Errors
-    /// As [`Trace::read`].
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Trace, RunDirError> {
         Trace::collect(bytes, path, usize::MAX)
     }
@@ -131,9 +122,6 @@ impl Trace {
     }
 
     /// The values of the column of that name.
-    ///
-    /// # Errors
-    /// There is none; the message lists those there are.
     pub fn column(&self, name: &str) -> Result<&[f64], RunDirError> {
         self.columns
             .iter()
@@ -149,9 +137,6 @@ impl Trace {
     }
 
     /// Writes the trace as CSV to the file `path`.
-    ///
-    /// # Errors
-    /// The file cannot be written.
     pub fn export_csv(&self, path: &Path) -> Result<(), RunDirError> {
         let file = File::create(path).map_err(RunDirError::write(path))?;
         super::write_csv(self, file).map_err(RunDirError::write(path))

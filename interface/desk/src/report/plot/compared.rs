@@ -19,12 +19,19 @@ impl Compared {
         Compared { name: name.into(), ..Compared::default() }
     }
 
-    /// Adds an abscissa at which there are both.
-    pub fn push(&mut self, x: f64, theory: f64, measured: f64) {
-        for (points, y) in [(&mut self.theory, theory), (&mut self.measured, measured)] {
-            points.0.push(x);
-            points.1.push(y);
+    /// Points (x, theory, measured).
+    pub fn of(
+        name: impl Into<String>,
+        points: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Compared {
+        let mut all = Compared::new(name);
+        for (x, theory, measured) in points {
+            for (to, y) in [(&mut all.theory, theory), (&mut all.measured, measured)] {
+                to.0.push(x);
+                to.1.push(y);
+            }
         }
+        all
     }
 
     fn named(&self, what: &str) -> String {

@@ -52,6 +52,12 @@ impl Series {
         Series { name: name.into(), x: x.to_vec(), y: y.to_vec(), draw: Draw::Line, style: None }
     }
 
+    /// Points (x, y) joined by lines.
+    pub fn of(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Series {
+        let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        Series { name: name.into(), x, y, draw: Draw::Line, style: None }
+    }
+
     /// Points drawn as markers.
     pub fn markers(name: impl Into<String>, x: &[f64], y: &[f64]) -> Series {
         Series::line(name, x, y).draw(Draw::Markers)

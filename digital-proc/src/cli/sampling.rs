@@ -1,0 +1,110 @@
+//! `digital-proc sampling`: the experiments of the laboratory, each on a machine of its own.
+
+use super::{Context, MachineArgs};
+use crate::{
+    console::Console,
+    lab::{
+        Experiment, alpha::Alpha, axes::AxesOfTranslation, bench::Bench, budget::Budget,
+        circle::Circle, coefficients::Coefficients, flight::Flight,
+        function_generation::FunctionGeneration, loop_study::Loop, noise::Noise, root::Root,
+        skew::Skew,
+    },
+};
+use clap::{Args, Subcommand};
+use desk::{
+    claim::Verdict,
+    command_line::BAD_INPUT,
+    failure::Failure,
+    outcome::{Outcome, Run},
+    run_dir::DEFAULT_BASE,
+};
+use interface::profile::Profile;
+use std::path::PathBuf;
+
+/// Settings of the laboratory.
+#[derive(Args)]
+pub struct Sampling {
+    #[command(subcommand)]
+    experiment: Experiments,
+}
+
+/// The list of experiments: the name of the command and the type, whose doc comment is its help.
+macro_rules! experiments {
+    ($($command:ident $experiment:ident),*) => {
+        #[derive(Subcommand)]
+        enum Experiments { $($command(Lab<$experiment>)),* }
+
+        impl Sampling {
+            pub fn execute(self, context: &Context) -> Result<(), Failure> {
+                match self.experiment { $(Experiments::$command(lab) => lab.execute(context)),* }
+            }
+        }
+    };
+}
+
+experiments! {
+    Budget Budget,
+    Circle Circle,
+    Root Root,
+    Alpha Alpha,
+    FunctionGeneration FunctionGeneration,
+    Axes AxesOfTranslation,
+    Noise Noise,
+    Skew Skew,
+    Coefficients Coefficients,
+    Flight Flight,
+    Loop Loop
+}
+
+// What every experiment takes besides its own settings. (No doc comment: it would be the help.)
+#[derive(Args)]
+struct Lab<T: Args> {
+    #[command(flatten)]
+    own: T,
+    /// Directory for runs; each run makes its own directory there
+    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR", help_heading = "Output")]
+    out: PathBuf,
+    #[command(flatten)]
+    machine: MachineArgs,
+}
+
+impl<T: Experiment> Lab<T> {
+    fn execute(self, context: &Context) -> Result<(), Failure> {
+        let profile = desk::profile::load(&self.machine.profile)?;
+        let mut machine = self.machine.start(context)?;
+        let mut console = Console::new(machine.port());
+        let command = format!("sampling {}", T::NAME);
+        let link = self.machine.join.link_name();
+        let mut run = Run::begin(&self.out, &command, &profile.name, link)?;
+        let mut bench = Bench::new(&mut console, profile);
+        let outcome = self.measure(&mut bench).inspect_err(|failure| {
+            // Nothing was run: its settings were not to be had.
+            if failure.code == BAD_INPUT {
+                drop(std::fs::remove_dir_all(run.directory.path()));
+            }
+        })?;
+        let (patch, hash) = bench.patch();
+        run.patch(patch, hash);
+        console.bye()?;
+        drop(machine);
+        outcome.publish(&run, self.machine.json)
+    }
+
+    fn measure(&self, bench: &mut Bench<'_, '_>) -> Result<Outcome, Failure> {
+        let mut outcome = Outcome::new(T::TITLE, T::LEAD);
+        self.own.measure(bench, &mut outcome)?;
+        let profile = &bench.base().name;
+        if *profile != Profile::ideal().name {
+            for claim in outcome.claims.iter_mut().filter(|c| c.verdict == Verdict::Fails) {
+                claim.verdict = Verdict::NotJudged;
+                claim.remark = Some(format!(
+                    "theory is that of ideal converters, which those of {profile} are not"
+                ));
+            }
+        }
+        if !bench.saturated().is_empty() {
+            outcome.remarks.push(format!("saturated: {}", bench.saturated().join(", ")));
+        }
+        Ok(outcome)
+    }
+}

@@ -1,0 +1,116 @@
+//! What one run of an experiment asks of a machine.
+
+use super::theory::{TheoryError, hold::Hold};
+use crate::{console::ConsoleFault, flight::FlightFault, lab::identify::IdentifyError};
+use desk::{failure::Failure, faults::FileFaults};
+use interface::{
+    Tick,
+    control::{Clock, RunSpec},
+    frame::{Samples, Updates},
+};
+
+/// What is loaded, how the run is timed, and what is read at its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunPlan {
+    /// Patch file, relative to `patch-files/`.
+    pub patch: &'static str,
+    /// Values for its `[params]`.
+    pub params: Vec<(&'static str, f64)>,
+    /// Reconstruction of every DAC.
+    pub hold: Hold,
+    /// Bits of every DAC where they are not the profile's.
+    pub dac_bits: Option<u32>,
+    pub spec: RunSpec,
+    /// Nets whose values at the end are wanted.
+    pub read: &'static [&'static str],
+}
+
+impl RunPlan {
+    /// A plan with a zero-order hold and nothing else.
+    pub fn new(
+        patch: &'static str,
+        frame_s: f64,
+        latency_s: f64,
+        stop_s: f64,
+    ) -> Result<RunPlan, LabError> {
+        let frame = tick("the frame", frame_s)?;
+        let (latency, stop) = (tick("the latency", latency_s)?, tick("the stop time", stop_s)?);
+        let spec = lock_step(frame, latency, Tick::ZERO, stop);
+        let hold = Hold::ZeroOrder;
+        Ok(RunPlan { patch, params: Vec::new(), hold, dac_bits: None, spec, read: &[] })
+    }
+}
+
+/// A run from the initial conditions in lock-step.
+pub(super) fn lock_step(frame: Tick, latency: Tick, skew: Tick, stop: Tick) -> RunSpec {
+    RunSpec { frame, latency, skew, stop, from_ic: true, clock: Clock::LockStep }
+}
+
+/// What runs plans: the [`Bench`](super::bench::Bench), or a plain plant in tests.
+pub trait Machine {
+    /// Runs a plan from its initial conditions. `law` is called once a frame; the last one,
+    /// whose updates would never take effect, is left out. Gives the nets that are read.
+    fn run(
+        &mut self,
+        plan: &RunPlan,
+        law: &mut dyn FnMut(&Samples, &mut Updates),
+    ) -> Result<Vec<f64>, LabError>;
+}
+
+/// Why an experiment gave no row.
+#[derive(Debug, thiserror::Error)]
+pub enum LabError {
+    /// A setting is out of range.
+    #[error("{what} is {value}; it must be {range}")]
+    Setting { what: &'static str, value: f64, range: &'static str },
+    /// No theory for this setting.
+    #[error(transparent)]
+    Theory(#[from] TheoryError),
+    /// The record says nothing.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// The machine or its link.
+    #[error(transparent)]
+    Console(#[from] ConsoleFault),
+    /// A flight of the stage.
+    #[error(transparent)]
+    Flight(#[from] FlightFault),
+    /// The user's study.
+    #[error(transparent)]
+    Study(#[from] FileFaults),
+}
+
+impl From<LabError> for Failure {
+    fn from(fault: LabError) -> Failure {
+        match fault {
+            LabError::Console(fault) => fault.into(),
+            LabError::Flight(fault) => fault.into(),
+            LabError::Study(fault) => fault.into(),
+            other => Failure::input(other),
+        }
+    }
+}
+
+/// Seconds as a tick, refused when out of range.
+pub(super) fn tick(what: &'static str, seconds: f64) -> Result<Tick, LabError> {
+    Tick::from_secs(seconds).filter(|t| t.0 >= 0).ok_or(LabError::Setting {
+        what,
+        value: seconds,
+        range: "a duration of 0 to 292 years",
+    })
+}
+
+/// Refuses `value` unless `ok`.
+pub(super) fn require(
+    what: &'static str,
+    value: f64,
+    ok: bool,
+    range: &'static str,
+) -> Result<(), LabError> {
+    if ok && value.is_finite() { Ok(()) } else { Err(LabError::Setting { what, value, range }) }
+}
+
+/// Refuses a latency, in frames, beyond one.
+pub(super) fn require_latency(frames: f64) -> Result<(), LabError> {
+    require("the latency", frames, (0.0..=1.0).contains(&frames), "0 to 1 frame")
+}

@@ -1,0 +1,83 @@
+//! Closed-form and exact linear theory of sampled loops.
+//!
+//! Pure functions: no I/O, no clock, no machine. Everything here is what a run
+//! of the laboratory is laid beside. It refuses to guess: a decomposition that
+//! does not converge is a [`TheoryError`].
+//!
+//! Notation: T frame period, τ latency from sample to transfer, x = ωT,
+//! `s = ln z / T` the equivalent continuous root of a discrete root z, and
+//! `ζ = −Re s / |s|`.
+
+pub mod alpha;
+pub mod budget;
+pub mod feedback_loop;
+pub mod hold;
+pub mod noise;
+pub mod period_map;
+
+use nalgebra::{Complex, ComplexField};
+
+/// A complex number.
+///
+/// Its elementary functions are those of [`ComplexField`], which take them from `libm`; the
+/// inherent ones of the same names (and `norm`, `arg`, `from_polar`) take the C library's.
+pub type C64 = Complex<f64>;
+
+/// `e^{jφ}`.
+pub fn phasor(angle_rad: f64) -> C64 {
+    let (sin, cos) = libm::sincos(angle_rad);
+    C64::new(cos, sin)
+}
+
+/// Why a theoretical value could not be formed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TheoryError {
+    /// A number is outside its range.
+    #[error("{what} is {value}, which is outside its range ({range})")]
+    Range { what: &'static str, value: f64, range: &'static str },
+    /// An eigenvalue iteration did not converge.
+    #[error("the eigenvalues of a {order} by {order} matrix did not converge")]
+    NoConvergence { order: usize },
+    /// No root is left once those at the origin are dropped.
+    #[error("the period map has no root away from the origin")]
+    NoRoot,
+}
+
+/// Damping ratio `−Re s / |s|`.
+pub fn damping_ratio(s: C64) -> f64 {
+    -s.re / s.modulus()
+}
+
+/// Growth of the amplitude over one cycle, `exp(2π Re s / |Im s|)`.
+pub fn growth_per_cycle(s: C64) -> f64 {
+    libm::exp(std::f64::consts::TAU * s.re / s.im.abs())
+}
+
+/// `s = ln z / T`, principal branch: |Im s| ≤ π/T.
+pub fn equivalent_root(z: C64, period_s: f64) -> C64 {
+    ComplexField::ln(z) / period_s
+}
+
+/// The root nearest to `target`; `None` for an empty slice.
+///
+/// Roots of a real map come in conjugate pairs, so the target picks the half plane.
+pub fn nearest_root(roots: &[C64], target: C64) -> Option<C64> {
+    roots.iter().copied().min_by(|a, b| (a - target).modulus().total_cmp(&(b - target).modulus()))
+}
+
+pub(crate) fn in_range(
+    what: &'static str,
+    value: f64,
+    ok: bool,
+    range: &'static str,
+) -> Result<f64, TheoryError> {
+    if ok && value.is_finite() { Ok(value) } else { Err(TheoryError::Range { what, value, range }) }
+}
+
+/// A frame period above zero and a latency of at most one frame, s.
+pub(crate) fn frame_and_latency(frame_s: f64, latency_s: f64) -> Result<(f64, f64), TheoryError> {
+    let frame = in_range("the frame", frame_s, frame_s > 0.0, "> 0 s")?;
+    let latency =
+        in_range("the latency", latency_s, (0.0..=frame).contains(&latency_s), "0 to one frame")?;
+    Ok((frame, latency))
+}
