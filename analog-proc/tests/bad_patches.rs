@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use analog_proc::check::against_profile;
-use analog_proc::patch::{FaultRecord, PatchFault, PatchFaults, bundle_from_path, compile};
+use analog_proc::patch::{PatchFault, PatchFaults, bundle_from_path, compile};
+use desk::faults::FileFault;
 use interface::profile::Profile;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -55,8 +56,11 @@ fn faults_of(path: &Path) -> PatchFaults {
     }
 }
 
-fn found(records: &[FaultRecord]) -> Vec<Expectation> {
-    records.iter().map(|r| (r.code.to_owned(), r.file.clone(), r.line)).collect()
+fn found(records: &[FileFault]) -> Vec<Expectation> {
+    records
+        .iter()
+        .map(|r| (r.code.unwrap().to_owned(), r.file.clone(), r.place.unwrap().0))
+        .collect()
 }
 
 #[test]
@@ -101,13 +105,13 @@ fn each_fault_shows_its_line_and_a_remedy() {
         let text = faults.render();
         for record in faults.to_list() {
             assert!(
-                record.help.len() > 10,
+                record.remedy.len() > 10,
                 "{}: `{}` has no remedy",
                 path.display(),
-                record.message
+                record.fault
             );
-            assert!(text.contains(record.code), "{text}");
-            let place = format!("{}:{}", record.file, record.line);
+            assert!(text.contains(record.code.unwrap()), "{text}");
+            let place = format!("{}:{}", record.file, record.place.unwrap().0);
             assert!(text.contains(&place), "{place} is not shown:\n{text}");
         }
     }
@@ -117,11 +121,11 @@ fn each_fault_shows_its_line_and_a_remedy() {
 fn an_algebraic_loop_is_shown_as_the_whole_cycle() {
     let path = files().into_iter().find(|p| p.ends_with("algebraic-loop.toml")).unwrap();
     let record = faults_of(&path).to_list().remove(0);
-    assert!(record.message.contains("error → scaled → output → error"), "{}", record.message);
+    assert!(record.fault.contains("error → scaled → output → error"), "{}", record.fault);
     for edge in ["error → scaled", "scaled → output", "output → error"] {
-        assert!(record.help.contains(edge), "{}", record.help);
+        assert!(record.remedy.contains(edge), "{}", record.remedy);
     }
-    assert!(record.help.contains("integrator"), "{}", record.help);
+    assert!(record.remedy.contains("integrator"), "{}", record.remedy);
 }
 
 #[test]

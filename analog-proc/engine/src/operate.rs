@@ -117,7 +117,6 @@ impl Engine {
             doubted: false,
         };
         let zeros = || vec![0.0; sides];
-        let scheme = Scheme::new(integration.method, states);
         Engine {
             frozen: machine.frozen(),
             ics: machine.ics.clone(),
@@ -125,6 +124,7 @@ impl Engine {
             probe: machine.initial_nets.clone(),
             before: vec![0.0; slots],
             step: Step::new(states),
+            scheme: Scheme::new(integration.method, states),
             atol: vec![0.0; states],
             largest: vec![0.0; states],
             turned: vec![false; states],
@@ -151,8 +151,7 @@ impl Engine {
             margins: vec![Rated::default(); sides],
             margins_low: vec![Rated::default(); sides],
             margins_high: vec![Rated::default(); sides],
-            paces: Paces::new(&machine, scheme.adaptive()),
-            scheme,
+            paces: Paces::new(&machine),
             past: Vec::new(),
             happenings: Happenings::default(),
             overloads: Vec::new(),

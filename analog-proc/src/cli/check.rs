@@ -3,7 +3,8 @@
 use super::{PatchArgs, is_coloured};
 use crate::{net::Kind, order::Ordered, patch, session::static_check::static_check};
 use desk::{
-    failure::{Failure, Fault},
+    failure::Failure,
+    faults::FileFault,
     outcome::Outcome,
     report::{Column, Table},
 };
@@ -29,14 +30,8 @@ impl PatchArgs {
         let faults = |f: patch::PatchFaults| {
             let text = if is_coloured() { f.render_coloured() } else { f.render() };
             let folder = self.patch.parent().unwrap_or(Path::new(""));
-            let told = |f: patch::FaultRecord| Fault {
-                code: Some(f.code),
-                file: folder.join(f.file).display().to_string(),
-                line: Some(f.line),
-                column: Some(f.column),
-                fault: f.message,
-                remedy: f.help,
-            };
+            let told =
+                |f: FileFault| FileFault { file: folder.join(&f.file).display().to_string(), ..f };
             let faults = f.to_list().into_iter().map(told).collect();
             Failure { faults, ..Failure::input(text) }
         };

@@ -3,11 +3,10 @@
 use super::diagnostic::{PatchFault, Source};
 use super::number;
 use crate::net::Span;
-use desk::faults::MOST_FAULTS;
+use desk::faults::{FileFault, MOST_FAULTS};
 use desk::reader::{Board, Fault, Value};
 use interface::control::PatchBundle;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
-use serde::Serialize;
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
@@ -178,23 +177,6 @@ impl Board for Faults {
     }
 }
 
-/// One fault as a flat record, for programs that read it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct FaultRecord {
-    /// Kind of fault.
-    pub code: &'static str,
-    /// File, as named in the bundle.
-    pub file: String,
-    /// Line, from 1.
-    pub line: usize,
-    /// Column in characters, from 1.
-    pub column: usize,
-    /// What is wrong.
-    pub message: String,
-    /// What to do about it.
-    pub help: String,
-}
-
 /// All faults of a patch (at least one).
 #[derive(Clone, Debug)]
 pub struct PatchFaults {
@@ -214,23 +196,19 @@ impl PatchFaults {
         &self.faults
     }
 
-    /// The faults as flat records.
-    pub fn to_list(&self) -> Vec<FaultRecord> {
-        self.faults
-            .iter()
-            .map(|fault| {
-                let (source, at) = fault.place();
-                let (line, column) = place_of(source, at.offset());
-                FaultRecord {
-                    code: fault.code_name(),
-                    file: source.name().to_owned(),
-                    line,
-                    column,
-                    message: fault.to_string(),
-                    help: fault.remedy().to_owned(),
-                }
-            })
-            .collect()
+    /// The faults without their texts.
+    pub fn to_list(&self) -> Vec<FileFault> {
+        let flat = |fault: &PatchFault| {
+            let (source, at) = fault.place();
+            FileFault {
+                code: Some(fault.code_name()),
+                file: source.name().to_owned(),
+                place: Some(place_of(source, at.offset())),
+                fault: fault.to_string(),
+                remedy: fault.remedy().to_owned(),
+            }
+        };
+        self.faults.iter().map(flat).collect()
     }
 
     /// All faults with source excerpts, without colour.

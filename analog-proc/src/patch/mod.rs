@@ -17,7 +17,7 @@ mod text;
 
 pub use bundle::bundle_from_path;
 pub use diagnostic::PatchFault;
-pub use faults::{FaultRecord, PatchFaults, Sources};
+pub use faults::{PatchFaults, Sources};
 pub use scope::{DEEPEST, MOST_BLOCKS};
 
 pub(crate) use faults::Faults;

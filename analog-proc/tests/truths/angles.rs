@@ -249,34 +249,3 @@ fn a_divisor_that_is_zero_with_a_vector_ends_the_run() {
         }
     }
 }
-
-#[test]
-fn fixed_steps_follow_what_is_narrower_than_they_are() {
-    // An angle that turns by π, and a pulse of area π, within some h seconds about 1 s.
-    for h in [1e-1_f64, 1e-2, 1e-3, 1e-4, 1e-6] {
-        let mut bench = Bench::with(
-            METHODS[2],
-            &format!(
-                r#"
-                one = {{ kind = "constant", value = 1.0 }}
-                x = {{ kind = "integrator", in = ["one"], ic = -1.0 }}
-                angle = {{ kind = "arctangent", in = ["{h:?} * one", "x"] }}
-                area = {{ kind = "integrator", in = ["angle"] }}
-                xx = {{ kind = "multiplier", in = ["x", "x"] }}
-                d = {{ kind = "summer", in = ["xx", "{square:?} * one"] }}
-                q = {{ kind = "divider", in = ["{h:?} * one", "d"] }}
-                pulse = {{ kind = "integrator", in = ["q"] }}
-                "#,
-                square = h * h
-            ),
-        );
-        bench.run(1.7);
-        let part = |u: f64| u * h.atan2(u) + 0.5 * h * (u * u + h * h).ln();
-        let truth = part(0.7) - part(-1.0);
-        let error = (bench.net("area") - truth).abs();
-        assert!(error < 1e-6 * truth, "h = {h}: {error:e}");
-        let truth = (0.7 / h).atan() + (1.0 / h).atan();
-        let error = (bench.net("pulse") - truth).abs();
-        assert!(error < 1e-4 * truth, "h = {h}: {error:e}");
-    }
-}

@@ -66,13 +66,12 @@ impl CaseStudy {
         let clock = Instant::now();
         let started = UtcSecond::from_system(SystemTime::now());
         let (vehicle, study) = self.input.load()?;
-        let own =
-            self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
+        let own = self.failures.as_deref().map(FailureFile::load).transpose()?;
         let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
         let dispersions = match &self.dispersions {
             _ if self.no_sensitivity => None,
-            Some(path) => Some(Dispersions::load(path).map_err(Failure::input)?),
-            None => Some(Dispersions::shipped().map_err(Failure::input)?),
+            Some(path) => Some(Dispersions::load(path)?),
+            None => Some(Dispersions::shipped()?),
         };
         if let Some(dispersions) = &dispersions {
             dispersions.locate(&vehicle).map_err(Failure::input)?;

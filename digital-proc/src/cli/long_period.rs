@@ -48,8 +48,7 @@ struct Outcome<'a> {
 impl LongPeriod {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let vehicle = self.study.vehicle()?;
-        let own =
-            self.failures.as_deref().map(FailureFile::load).transpose().map_err(Failure::input)?;
+        let own = self.failures.as_deref().map(FailureFile::load).transpose()?;
         let failures = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
         let profile = desk::profile::load(&self.machine.profile)?;
         let mut record =

@@ -62,7 +62,7 @@ struct Lab<T: Args> {
     #[command(flatten)]
     own: T,
     /// Directory for runs; each run makes its own directory there
-    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
+    #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR", help_heading = "Output")]
     out: PathBuf,
     #[command(flatten)]
     machine: MachineArgs,

@@ -4,6 +4,8 @@
 //! Channels: ADC 0 rate, ADC 1 redundant angle; DAC 0 moment, DAC 1 force, DAC 2 correction. The
 //! tables end at ±1 rad; the record of a run that diverges ends where the angle leaves them, since
 //! beyond there the loop is another one.
+//!
+//! Long, since it has two laws, three sweeps and their tables.
 
 use super::{
     feedback::check_roots,

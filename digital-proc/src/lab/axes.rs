@@ -14,7 +14,8 @@
 //! three agree (`reference`).
 //!
 //! θ is the inertial pitch angle from the horizontal of the launch point, rad. The earth does not
-//! turn; mass, thrust and N are constant: the experiment is about axes, not about a flight.
+//! turn; mass, thrust and N are constant: the experiment is about axes, not about a flight. Long by
+//! the three systems of equations.
 
 use super::*;
 
@@ -65,7 +66,6 @@ pub struct AxesOfTranslation {
     offset: f64,
 }
 
-/// Which axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Axes {
     /// u, w.

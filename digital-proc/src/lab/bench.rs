@@ -181,18 +181,3 @@ impl Machine for Bench<'_, '_> {
         self.finish(saturated, plan.read)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shipped_patches_bring_what_they_use() {
-        let names = |root| shipped(root).files.into_iter().map(|(n, _)| n).collect::<Vec<_>>();
-        assert_eq!(
-            names("lab/alpha-redundant.toml"),
-            ["lab/alpha-redundant.toml", "redundant-integrator.toml"]
-        );
-        assert_eq!(names("lab/circle.toml").len(), 1);
-    }
-}

@@ -5,7 +5,7 @@
 //! frames, which is the least-squares fit of a sine) take the fundamental of the output. Only the
 //! linkage is measured: a user's patch lends its channels with their numbers and full scales, not
 //! its dynamics. The frequency is moved to the nearest one that has whole cycles in whole frames,
-//! so that the images of the staircase drop out.
+//! so that the images of the staircase drop out. Long by the patch that it writes.
 
 use super::{
     bench::chosen,

@@ -14,20 +14,10 @@ use nalgebra::{ComplexField, DMatrix, Schur};
 pub enum IdentifyError {
     /// Too few samples.
     #[error("{found} samples are too few, {needed} are needed")]
-    TooFew {
-        /// Samples given.
-        found: usize,
-        /// Samples needed.
-        needed: usize,
-    },
+    TooFew { found: usize, needed: usize },
     /// A sample is infinite or not a number.
     #[error("sample {index} is {value}: the run diverged or faulted")]
-    NotFinite {
-        /// Its index.
-        index: usize,
-        /// Its value.
-        value: f64,
-    },
+    NotFinite { index: usize, value: f64 },
     /// No oscillatory mode in the record.
     #[error("the record has no oscillatory mode")]
     NoOscillation,

@@ -17,9 +17,7 @@ pub enum Element {
     Gain(Vec<Vec<f64>>),
     /// `Σ a_i y_{n−i} = Σ b_i x_{n−i}`, memory zero at the start.
     Difference {
-        /// b.
         numerator: Vec<f64>,
-        /// a, `a[0] ≠ 0`.
         denominator: Vec<f64>,
         /// x, latest first.
         inputs: VecDeque<f64>,

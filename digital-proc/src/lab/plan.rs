@@ -20,7 +20,6 @@ pub struct RunPlan {
     pub hold: Hold,
     /// Bits of every DAC where they are not the profile's.
     pub dac_bits: Option<u32>,
-    /// Times.
     pub spec: RunSpec,
     /// Nets whose values at the end are wanted.
     pub read: &'static [&'static str],
@@ -63,14 +62,7 @@ pub trait Machine {
 pub enum LabError {
     /// A setting is out of range.
     #[error("{what} is {value}; it must be {range}")]
-    Setting {
-        /// Which.
-        what: &'static str,
-        /// Value.
-        value: f64,
-        /// Range in words.
-        range: &'static str,
-    },
+    Setting { what: &'static str, value: f64, range: &'static str },
     /// No theory for this setting.
     #[error(transparent)]
     Theory(#[from] TheoryError),

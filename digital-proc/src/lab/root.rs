@@ -59,7 +59,6 @@ impl Compensation {
     ];
 }
 
-/// One setting.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     omega0_rad_s: f64,

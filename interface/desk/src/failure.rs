@@ -14,36 +14,11 @@ pub struct Failure {
     /// What to print on standard error.
     pub text: String,
     /// The faults of a user's file, where it was one.
-    pub faults: Vec<Fault>,
+    pub faults: Vec<FileFault>,
     /// The directory of the run that failed, where one was begun.
     pub run: Option<PathBuf>,
     /// Whether the command's JSON, already printed, has told of it.
     pub is_told: bool,
-}
-
-/// One fault of a user's file, as JSON has it.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Fault {
-    /// Kind of fault, where kinds have names (`unknown-net`).
-    pub code: Option<&'static str>,
-    /// The file.
-    pub file: String,
-    /// Line, from 1.
-    pub line: Option<usize>,
-    /// Column in characters, from 1.
-    pub column: Option<usize>,
-    /// What is wrong.
-    pub fault: String,
-    /// What to do about it.
-    pub remedy: String,
-}
-
-impl From<&FileFault> for Fault {
-    fn from(f: &FileFault) -> Fault {
-        let (line, column) = f.place.unzip();
-        let (file, fault, remedy) = (f.file.clone(), f.fault.clone(), f.remedy.clone());
-        Fault { code: None, file, line, column, fault, remedy }
-    }
 }
 
 impl Failure {
@@ -92,7 +67,7 @@ impl Failure {
 
 impl From<FileFaults> for Failure {
     fn from(faults: FileFaults) -> Failure {
-        Failure { faults: faults.0.iter().map(Fault::from).collect(), ..Failure::input(&faults) }
+        Failure { faults: faults.0.clone(), ..Failure::input(&faults) }
     }
 }
 

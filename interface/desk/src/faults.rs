@@ -3,22 +3,34 @@
 //! All that can be told apart are reported together; what is no TOML ends the reading.
 
 use crate::reader::Span;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// More faults than anyone reads at once; the rest are counted.
 pub const MOST_FAULTS: usize = 200;
 
 /// One fault of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FileFault {
+    /// Kind of fault, where kinds have names (`unknown-net`).
+    pub code: Option<&'static str>,
     /// File as named by the caller.
     pub file: String,
-    /// Line and column, counted from 1.
+    /// Line and column, counted from 1 in characters.
+    #[serde(flatten, serialize_with = "line_and_column")]
     pub place: Option<(usize, usize)>,
     /// What is wrong.
     pub fault: String,
     /// What to do about it.
     pub remedy: String,
+}
+
+fn line_and_column<S: Serializer>(
+    place: &Option<(usize, usize)>,
+    to: S,
+) -> Result<S::Ok, S::Error> {
+    let (line, column) = place.unzip();
+    to.collect_map([("line", line), ("column", column)])
 }
 
 impl fmt::Display for FileFault {
@@ -86,7 +98,7 @@ impl Source<'_> {
     /// A fault of the file as a whole.
     pub fn whole(&self, fault: impl Into<String>, remedy: impl Into<String>) -> FileFault {
         let file = self.file.to_owned();
-        FileFault { file, place: None, fault: fault.into(), remedy: remedy.into() }
+        FileFault { code: None, file, place: None, fault: fault.into(), remedy: remedy.into() }
     }
 
     /// Line and column, counted from 1 in characters, of a byte.

@@ -31,11 +31,6 @@ const NEAR_ZERO: f64 = 1e-12;
 const AT_ORIGIN: f64 = 1e-9;
 const ORIGIN_SPAN: f64 = 64.0;
 
-/// Fixed steps have no error that is controlled: of all this but the turn of sines, which is what
-/// their length is chosen for, so much is left to them. Simpson's rule over a pole then errs by 1e-4
-/// of what it adds up.
-const FIXED_PART: f64 = 0.125;
-
 /// A step that turns out longer than its bound by this factor is not accepted.
 const SLACK: f64 = 1.5;
 
@@ -135,14 +130,7 @@ impl Pace {
     /// The longest step from here, s; `largest` is the greatest magnitude that a divisor or
     /// radicand has had.
     #[inline]
-    fn limit_s(
-        &self,
-        lines: &[DelayLine],
-        t_s: f64,
-        nets: &[Rated],
-        largest: f64,
-        part: f64,
-    ) -> f64 {
+    fn limit_s(&self, lines: &[DelayLine], t_s: f64, nets: &[Rated], largest: f64) -> f64 {
         match *self {
             Pace::Angle(term, turn) => turn / (term.c * nets[term.slot as usize].rate).abs(),
             Pace::Direction { y, x, .. } => {
@@ -151,14 +139,8 @@ impl Pace {
                 if square < f64::MIN_POSITIVE {
                     return f64::INFINITY;
                 }
-                let radial_s = if growth < 0.0 {
-                    APPROACH * square / -growth
-                } else if part < 1.0 {
-                    GROWTH * square / growth
-                } else {
-                    f64::INFINITY
-                };
-                part * radial_s.min(TURN * square / vector.turn().abs())
+                let turn_s = TURN * square / vector.turn().abs();
+                if growth < 0.0 { turn_s.min(APPROACH * square / -growth) } else { turn_s }
             }
             Pace::Pole(slot) => {
                 let u = nets[slot as usize];
@@ -166,7 +148,8 @@ impl Pace {
                     return f64::INFINITY;
                 }
                 let towards = u.value * u.rate < 0.0;
-                part * if towards { APPROACH } else { GROWTH } * (u.value / u.rate).abs()
+                let part = if towards { APPROACH } else { GROWTH };
+                part * (u.value / u.rate).abs()
             }
             Pace::Line(line) => lines[line as usize].reach_s(t_s),
         }
@@ -175,7 +158,7 @@ impl Pace {
     /// Whether the step of `h_s` that ends here stayed within the bound, seen from its end. A vector
     /// that passes zero is refused: its angle jumps.
     #[inline]
-    fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64, part: f64) -> bool {
+    fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
         match *self {
             Pace::Angle(term, turn) => {
                 let slot = term.slot as usize;
@@ -190,14 +173,14 @@ impl Pace {
                 let ahead = from.x.value * to.x.value + from.y.value * to.y.value;
                 let across = (from.x.value * to.y.value - from.y.value * to.x.value).abs();
                 !lost
-                    && h_s * to.turn().abs() <= part * SLACK * TURN * to.square()
-                    && -h_s * to.growth() <= part * SLACK * GROWTH * to.square()
+                    && h_s * to.turn().abs() <= SLACK * TURN * to.square()
+                    && -h_s * to.growth() <= SLACK * GROWTH * to.square()
                     && across <= MOST_TURN * ahead
             }
             Pace::Pole(slot) => {
                 let u = end[slot as usize];
                 u.value.abs() <= NEAR_ZERO * largest
-                    || h_s * u.rate.abs() <= part * SLACK * GROWTH * u.value.abs()
+                    || h_s * u.rate.abs() <= SLACK * GROWTH * u.value.abs()
             }
             Pace::Line(_) => true,
         }
@@ -209,22 +192,14 @@ impl Pace {
 pub struct Paces {
     /// The greatest magnitude of each divisor, radicand or vector so far.
     largest: Vec<f64>,
-    /// Of the bounds, what the method is given.
-    part: f64,
     /// The longest step from here, s, and what bounds it.
     pub limit_s: f64,
     pub bounded_by: usize,
 }
 
 impl Paces {
-    /// `adaptive`: the steps' error is controlled.
-    pub fn new(machine: &Machine, adaptive: bool) -> Paces {
-        Paces {
-            largest: vec![0.0; machine.paces.len()],
-            part: if adaptive { 1.0 } else { FIXED_PART },
-            limit_s: f64::INFINITY,
-            bounded_by: 0,
-        }
+    pub fn new(machine: &Machine) -> Paces {
+        Paces { largest: vec![0.0; machine.paces.len()], limit_s: f64::INFINITY, bounded_by: 0 }
     }
 
     pub fn reset(&mut self) {
@@ -241,7 +216,7 @@ impl Paces {
                 Pace::Angle(..) | Pace::Line(_) => 0.0,
             };
             self.largest[i] = self.largest[i].max(size);
-            let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i], self.part);
+            let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i]);
             // What does not move has no bound, even where it is not defined.
             if limit_s < self.limit_s {
                 (self.limit_s, self.bounded_by) = (limit_s, i);
@@ -275,7 +250,7 @@ impl Paces {
     /// Whether the step of `h_s` between these nets hid nothing.
     pub fn kept(&mut self, machine: &Machine, h_s: f64, start: &[Rated], end: &[Rated]) -> bool {
         for (i, (pace, _)) in machine.paces.iter().enumerate() {
-            if !pace.kept(h_s, start, end, self.largest[i], self.part) {
+            if !pace.kept(h_s, start, end, self.largest[i]) {
                 self.bounded_by = i;
                 return false;
             }

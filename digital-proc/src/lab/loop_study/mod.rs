@@ -81,11 +81,9 @@ pub struct LoopStudy {
     patch: Named,
     /// Values for the patch's `[params]`.
     pub params: Vec<(String, f64)>,
-    /// End of each run.
     pub stop: Tick,
     /// Start of the record that is judged.
     pub from: Tick,
-    /// Its end.
     pub until: Tick,
     /// The cases, frame by frame, latency by latency, bits by bits.
     pub cases: Vec<LoopCase>,
@@ -98,9 +96,7 @@ pub struct LoopStudy {
 /// One run of the sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoopCase {
-    /// Frame.
     pub frame: Tick,
-    /// Latency.
     pub latency: Tick,
     /// Bits of all converters; none for ideal ones.
     pub bits: Option<u32>,
@@ -336,14 +332,5 @@ denominator = [1.0]
         let text =
             parse("servo.toml", &GOOD.replace("\"50ms\"", "\"50\"")).unwrap_err().to_string();
         assert!(text.starts_with("servo.toml:9:10: "), "{text}");
-    }
-
-    #[test]
-    fn unknown_channels_are_told_with_the_nearest_name() {
-        let study =
-            parse("servo.toml", &GOOD.replace("input = \"x_adc\"", "input = \"x_adk\"")).unwrap();
-        let faults = study.law(&channels()).unwrap_err();
-        assert_eq!((faults.0.len(), faults.0[0].place.unwrap().0), (1, 14));
-        assert!(faults.0[0].remedy.contains("x_adc"));
     }
 }

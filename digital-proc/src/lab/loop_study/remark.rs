@@ -14,24 +14,15 @@ pub enum Remark {
         until_s: f64,
     },
     /// Too few frames are left to find modes in.
-    TooShort {
-        /// Frames left.
-        frames: usize,
-    },
+    TooShort { frames: usize },
     /// The record stands too few converter steps high.
     TooCoarse,
     /// No mode at all: a constant.
     NoModes,
     /// Modes, none of which oscillates.
-    NoOscillation {
-        /// What they leave of the record.
-        fit: f64,
-    },
+    NoOscillation { fit: f64 },
     /// No sum of modes: not the decay of one linear loop.
-    NotOneDecay {
-        /// What they leave of the record.
-        fit: f64,
-    },
+    NotOneDecay { fit: f64 },
     /// It swings on to the end.
     Swings(Swing),
 }

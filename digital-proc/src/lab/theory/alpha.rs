@@ -115,11 +115,8 @@ pub enum Scheme {
     Redundant {
         /// N = T_s / T_f.
         slow_frames: u32,
-        /// K.
         gain: f64,
-        /// Delivery.
         delivery: Delivery,
-        /// Form.
         correction: Correction,
     },
 }
@@ -137,9 +134,7 @@ impl Scheme {
 /// A sampled α loop. For [`Scheme::Conventional`] the frame is T_s, else T_f.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlphaLoop {
-    /// Plant.
     pub rotation: Rotation,
-    /// How it is closed.
     pub scheme: Scheme,
     /// Frame, s.
     pub frame_s: f64,

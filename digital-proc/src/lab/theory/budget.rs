@@ -18,7 +18,6 @@ pub struct Chain {
     pub place: i64,
     /// ± full scale of its converters, problem units.
     pub full_scale: f64,
-    /// Frame T.
     pub frame: Tick,
     /// Latency τ from `t_n` to the transfer, conversion included.
     pub latency: Tick,
@@ -30,18 +29,15 @@ pub struct Chain {
     pub adc_bits: Option<u32>,
     /// Bits of the DAC.
     pub dac_bits: Option<u32>,
-    /// Reconstruction.
     pub hold: Hold,
     /// Settling time constant of the DAC.
     pub settling: Tick,
-    /// Lead of the digital law, frames.
     pub lead_frames: f64,
 }
 
 /// What one stage adds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BudgetRow {
-    /// Stage.
     pub stage: &'static str,
     /// Gain, 1 for none.
     pub gain: f64,

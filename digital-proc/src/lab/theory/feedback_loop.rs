@@ -8,20 +8,19 @@
 use super::{C64, TheoryError, frame_and_latency, hold::Hold, period_map::PeriodMap};
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-/// A loop to be solved exactly.
+/// A loop to be solved exactly; its constructors make the shapes that fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeedbackLoop {
     /// A, n×n, 1/s.
-    pub a: DMatrix<f64>,
+    a: DMatrix<f64>,
     /// b, n.
-    pub b: DVector<f64>,
+    b: DVector<f64>,
     /// c, n.
-    pub c: RowDVector<f64>,
+    c: RowDVector<f64>,
     /// Gain k of the digital law, sign included.
     pub gain: f64,
     /// Lead a, frames.
     pub lead_frames: f64,
-    /// Reconstruction.
     pub hold: Hold,
     /// T, s.
     pub frame_s: f64,
@@ -79,13 +78,6 @@ impl FeedbackLoop {
     /// State `[x; y; ẏ; pending; m_{n−1}; last transferred]`, n + 5.
     pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
         let n = self.a.nrows();
-        if self.a.ncols() != n || self.b.len() != n || self.c.len() != n {
-            return Err(TheoryError::Shape {
-                what: "the loop's A, b, c",
-                expected: format!("{n}x{n}, {n}, {n}"),
-                found: format!("{:?}, {}, {}", self.a.shape(), self.b.len(), self.c.len()),
-            });
-        }
         let (frame, latency) = frame_and_latency(self.frame_s, self.latency_s)?;
         let size = n + 5;
         let (y, slope, pending, previous, last) = (n, n + 1, n + 2, n + 3, n + 4);

@@ -2,7 +2,7 @@
 //!
 //! Pure functions: no I/O, no clock, no machine. Everything here is what a run
 //! of the laboratory is laid beside. It refuses to guess: a decomposition that
-//! does not converge or a matrix of the wrong shape is a [`TheoryError`].
+//! does not converge is a [`TheoryError`].
 //!
 //! Notation: T frame period, τ latency from sample to transfer, x = ωT,
 //! `s = ln z / T` the equivalent continuous root of a discrete root z, and
@@ -32,32 +32,12 @@ pub fn phasor(angle_rad: f64) -> C64 {
 /// Why a theoretical value could not be formed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TheoryError {
-    /// A matrix has the wrong shape.
-    #[error("{what} must be {expected} but is {found}")]
-    Shape {
-        /// Which matrix.
-        what: &'static str,
-        /// Wanted shape.
-        expected: String,
-        /// Found shape.
-        found: String,
-    },
     /// A number is outside its range.
     #[error("{what} is {value}, which is outside its range ({range})")]
-    Range {
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// Its range in words.
-        range: &'static str,
-    },
+    Range { what: &'static str, value: f64, range: &'static str },
     /// An eigenvalue iteration did not converge.
     #[error("the eigenvalues of a {order} by {order} matrix did not converge")]
-    NoConvergence {
-        /// Order of the matrix.
-        order: usize,
-    },
+    NoConvergence { order: usize },
     /// No root is left once those at the origin are dropped.
     #[error("the period map has no root away from the origin")]
     NoRoot,

@@ -60,17 +60,4 @@ mod tests {
         assert!((rms.powi(2) + shortfall - staircase_rms(rate, t, tau).powi(2)).abs() < 1e-14);
         assert!((staircase_rms(rate, t, 0.0) - rate * t / 3f64.sqrt()).abs() < 1e-15);
     }
-
-    #[test]
-    fn skew_formula_is_the_first_order_of_the_exact_angle() {
-        let (w, d) = (5.0, 1e-4);
-        for i in 0..32 {
-            let theta = f64::from(i) * 0.2 - 3.0;
-            let read = theta.sin().atan2((theta + w * d).cos());
-            let mut e = read - theta;
-            e -= std::f64::consts::TAU * (e / std::f64::consts::TAU).round();
-            // Second order: (ωδ)² times a factor below one.
-            assert!((e - resolver_skew_error_rad(w, d, theta)).abs() < (w * d).powi(2));
-        }
-    }
 }

@@ -6,7 +6,7 @@ use crate::study::short_period::{
     quantity::Quantity,
     study_file::{Study, StudyError},
 };
-use desk::faults::{FileFault, FileFaults, Source};
+use desk::faults::{FileFaults, Source};
 use desk::reader::{self, FileKind, SheetFields};
 use std::path::Path;
 use vehicle::{Vehicle, slice::SlicePoint};
@@ -101,6 +101,7 @@ impl Dispersions {
     /// What the vehicle does not cover: points that its flight lacks, gyro stations off the
     /// table of its bending mode.
     pub fn locate(&self, vehicle: &Vehicle) -> Result<Vec<SlicePoint>, StudyError> {
+        let source = Source { file: &self.file, text: &self.text };
         let [first, last] = vehicle.gyro_stations_m();
         let outside = self.all.iter().filter_map(|dispersion| {
             let Dispersed::GyroStations(stations) = dispersion.what else {
@@ -108,15 +109,12 @@ impl Dispersions {
             };
             let station =
                 stations.into_iter().find(|s| vehicle.gyro_slope_at_station(*s).is_none())?;
-            Some(FileFault {
-                file: self.file.clone(),
-                place: None,
-                fault: format!("`{}`: a rate gyro at {station} m", dispersion.title),
-                remedy: format!("the bending mode is known from {first} to {last} m"),
-            })
+            let fault = format!("`{}`: a rate gyro at {station} m", dispersion.title);
+            let remedy = format!("the bending mode is known from {first} to {last} m");
+            Some(source.whole(fault, remedy))
         });
         FileFaults::unless(outside.collect(), ())?;
-        locate_all(&self.points, Source { file: &self.file, text: &self.text }, vehicle)
+        locate_all(&self.points, source, vehicle)
     }
 
     /// The shipped file.

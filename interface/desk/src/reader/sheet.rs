@@ -32,11 +32,10 @@ pub fn load<T>(
     parse: impl FnOnce(&str, &str) -> Result<T, FileFaults>,
 ) -> Result<T, FileFaults> {
     let file = path.display().to_string();
-    let text = user_file::read_text(path).map_err(|error| FileFault {
-        file: file.clone(),
-        place: None,
-        fault: format!("cannot be read: {error}"),
-        remedy: "name a TOML file, and check its permissions".to_owned(),
+    let text = user_file::read_text(path).map_err(|error| {
+        let source = Source { file: &file, text: "" };
+        let remedy = "name a TOML file, and check its permissions";
+        source.whole(format!("cannot be read: {error}"), remedy)
     })?;
     parse(&file, &text)
 }
