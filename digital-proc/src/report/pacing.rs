@@ -118,7 +118,7 @@ fn bars(pacing: &Pacing) -> String {
     if let Some(more) = overruns.len().checked_sub(LISTED_ON_TERMINAL).filter(|n| *n > 0) {
         let _ = writeln!(text, "  and {more} more, all listed in overruns.csv");
     }
-    text
+    text.trim_end().to_owned()
 }
 
 #[cfg(test)]

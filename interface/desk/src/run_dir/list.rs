@@ -4,13 +4,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
 use super::{RECORD_FILE, RunDirError, RunDirectory, SUMMARY_FILE, holds_record};
 
 /// How far a run got, told by the files that it left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunState {
     /// It wrote its summary.
     Complete,
@@ -21,7 +18,7 @@ pub enum RunState {
 }
 
 /// One line of the list.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunEntry {
     /// The directory's name.
     pub name: String,
