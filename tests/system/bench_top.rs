@@ -1,6 +1,11 @@
 //! What every system test needs: a private base directory, a place for runs, and
 //! the certainty that nothing is left behind.
 
+use analog_proc::session::serve::serve;
+use digital_proc::{
+    console::Console,
+    launch::{AnalogEntry, LinkChoice, Started},
+};
 use std::{
     path::{Path, PathBuf},
     process::{Child, Command, Output, Stdio},
@@ -89,6 +94,17 @@ impl BenchTop {
             .map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
         assert!(left.is_empty(), "left in the base directory: {left:?}");
     }
+}
+
+/// Does `work` at the console of a machine whose two sides are threads of this process.
+pub fn with_console<T>(work: impl FnOnce(&mut Console<'_>) -> T) -> T {
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
+    let mut console = Console::new(started.port());
+    let done = work(&mut console);
+    console.bye().unwrap();
+    done
 }
 
 /// Runs to the end and fails the test unless it exits with `code`.

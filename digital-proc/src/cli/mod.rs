@@ -13,8 +13,7 @@ mod runs;
 mod sampling;
 mod sensitivity;
 mod short_period;
-mod study_input;
-mod study_run;
+mod study;
 mod vehicle_args;
 
 use crate::launch::{AnalogEntry, LinkChoice, Started};
