@@ -2,7 +2,7 @@
 //! the certainty that nothing is left behind.
 
 use analog_proc::session::serve::serve;
-use digital_proc::{
+use digital_proc::linkage::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
 };

@@ -4,7 +4,7 @@
 //! so x(t) is a sum of rectangles that depends on every transfer instant.
 
 use analog_proc::session::serve::serve;
-use digital_proc::{
+use digital_proc::linkage::{
     console::{Console, ConsoleFault},
     launch::{AnalogEntry, LinkChoice, Started},
 };

@@ -2,10 +2,12 @@
 
 use analog_proc::session::serve::serve;
 use digital_proc::{
-    console::Console,
-    executive::Rate,
     flight::{AlphaPath, FlightPlan, FrameResult, Stage, Timing},
-    launch::{AnalogEntry, LinkChoice, Started},
+    linkage::{
+        console::Console,
+        executive::Rate,
+        launch::{AnalogEntry, LinkChoice, Started},
+    },
 };
 use interface::{Tick, frame::Samples};
 use vehicle::{

@@ -1,8 +1,7 @@
 //! Exit codes of this side's own faults.
 
 use crate::{
-    console::ConsoleFault,
-    launch::LaunchFault,
+    linkage::{console::ConsoleFault, launch::LaunchFault},
     study::{fault::StudyFault, short_period::study_file::StudyError},
 };
 use desk::failure::Failure;

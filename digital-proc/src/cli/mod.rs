@@ -16,7 +16,7 @@ mod short_period;
 mod study;
 mod vehicle_args;
 
-use crate::launch::{AnalogEntry, LinkChoice, Started};
+use crate::linkage::launch::{AnalogEntry, LinkChoice, Started};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use desk::{
     command_line,

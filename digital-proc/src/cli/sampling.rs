@@ -2,13 +2,13 @@
 
 use super::{Context, MachineArgs};
 use crate::{
-    console::Console,
     lab::{
         Experiment, alpha::Alpha, axes::AxesOfTranslation, bench::Bench, budget::Budget,
         circle::Circle, coefficients::Coefficients, flight::Flight,
         function_generation::FunctionGeneration, loop_study::Loop, noise::Noise, root::Root,
         skew::Skew,
     },
+    linkage::console::Console,
 };
 use clap::{Args, Subcommand};
 use desk::{

@@ -5,7 +5,7 @@ use super::{
     Context, MachineArgs,
     vehicle_args::{self, VehicleArgs},
 };
-use crate::{console::Console, study::short_period::study_file::Study};
+use crate::{linkage::console::Console, study::short_period::study_file::Study};
 use desk::{failure::Failure, outcome::Run, progress::Progress, run_dir::DEFAULT_BASE};
 use interface::profile::Profile;
 use std::path::{Path, PathBuf};

@@ -17,12 +17,11 @@
 
 use super::{identify, *};
 use crate::{
-    console::Console,
-    executive::Rate,
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Observer, Stage, Timing,
         channels::StageChannels, stage_patch,
     },
+    linkage::{console::Console, executive::Rate},
 };
 use desk::run_dir::RunDirError;
 use interface::{

@@ -22,7 +22,7 @@ use super::{
         results::Results,
     },
 };
-use crate::{console::Console, report::block_diagram};
+use crate::{linkage::console::Console, report::block_diagram};
 use desk::{
     claim::{Claim, Verdict},
     outcome::{Figure, Outcome},

@@ -1,7 +1,7 @@
 //! Why a study could not be completed.
 
 use super::short_period::study_file::StudyError;
-use crate::{console::ConsoleFault, flight::FlightFault};
+use crate::{flight::FlightFault, linkage::console::ConsoleFault};
 use desk::faults::FileFaults;
 use vehicle::table::TableError;
 

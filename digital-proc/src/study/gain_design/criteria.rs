@@ -1,7 +1,7 @@
 //! What a good pitch loop is: the measures of two runs, their allowances, a cost.
 
 use crate::{
-    console::Console,
+    linkage::console::Console,
     study::{
         fault::StudyFault,
         short_period::{

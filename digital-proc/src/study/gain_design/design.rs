@@ -12,7 +12,7 @@ use super::{
     search::{Bounds, Effort, Found, coordinate_search},
 };
 use crate::{
-    console::Console,
+    linkage::console::Console,
     study::{
         fault::StudyFault,
         short_period::{

@@ -5,7 +5,7 @@ use super::{
     schedule,
 };
 use crate::{
-    console::Console,
+    linkage::console::Console,
     study::{
         fault::StudyFault,
         short_period::{

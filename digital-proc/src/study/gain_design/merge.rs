@@ -8,8 +8,8 @@
 
 use super::schedule;
 use crate::{
-    console::Console,
     flight::Stage,
+    linkage::console::Console,
     study::{
         fault::StudyFault,
         long_period::{

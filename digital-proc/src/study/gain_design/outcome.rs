@@ -10,7 +10,7 @@ use super::{
     verdict::{Level, designed_section, fewest_accepted, none_accepted, reduced_sections},
 };
 use crate::{
-    console::Console,
+    linkage::console::Console,
     study::{fault::StudyFault, long_period::run::LongPeriodPlan, short_period::machine::Bench},
 };
 use desk::{

@@ -7,11 +7,13 @@
 
 use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult};
 use crate::{
-    console::{Console, ConsoleFault},
-    executive::Rate,
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, Timing, channels::Sampled,
         stage_patch,
+    },
+    linkage::{
+        console::{Console, ConsoleFault},
+        executive::Rate,
     },
     study::fault::StudyFault,
 };

@@ -2,7 +2,7 @@
 
 use super::dispersion_file::{Dispersion, Dispersions, Side};
 use crate::{
-    console::Console,
+    linkage::console::Console,
     study::{
         fault::StudyFault,
         gain_design::criteria::{LoopQuality, least_bending_damping, measure},

@@ -14,7 +14,7 @@ use super::{
     plan::Plan,
     results::{Results, Run},
 };
-use crate::console::{Console, ConsoleFault};
+use crate::linkage::console::{Console, ConsoleFault};
 use interface::{
     Tick,
     control::{ChannelKind, Clock, PatchBundle, RunSpec},
