@@ -97,6 +97,8 @@ impl<T: Experiment> Lab<T> {
 
     fn measure(&self, bench: &mut Bench<'_, '_>) -> Result<Outcome, Failure> {
         let mut outcome = Outcome::new(T::TITLE, T::LEAD);
+        // Before its numbers a reader looks at the figures.
+        outcome.section("Figures");
         self.own.measure(bench, &mut outcome)?;
         let profile = &bench.base().name;
         if *profile != Profile::ideal().name {

@@ -207,7 +207,7 @@ impl Outcome {
         if !self.results.is_empty() {
             sections.push(Section::new("Results", self.results.table().markup()));
         }
-        for (title, parts) in &self.sections {
+        for (title, parts) in self.sections.iter().filter(|(_, parts)| !parts.is_empty()) {
             let body = html! { @for part in parts { (part.markup(&mut numbering)) } };
             sections.push(Section::new(title.as_str(), body));
         }

@@ -27,17 +27,26 @@ impl Verdict {
 /// The table for a page, under a line that counts the verdicts. `drawn` has numbered what
 /// the page shows; a claim leads to its evidence where that was drawn.
 pub fn claims_table(claims: &[Claim], drawn: &Numbering) -> Markup {
+    // Checks say all in their sentences.
+    let checks = claims.iter().all(|c| c.criterion.is_empty() && c.measured.is_empty());
+    let heads = if checks {
+        &["", "Check", "Verdict"][..]
+    } else {
+        &["", "Sentence", "Criterion", "Measured", "Verdict"]
+    };
     html! {
         p { (count(claims)) }
         div.wide { table.claims {
-            thead { tr { @for head in ["", "Sentence", "Criterion", "Measured", "Verdict"] { th scope="col" { (head) } } } }
+            thead { tr { @for head in heads { th scope="col" { (head) } } } }
             tbody { @for claim in claims {
                 tr id={ "claim-" (claim.id) } {
                     td { (claim.id) }
-                    td { blockquote { (claim.sentence) } }
-                    td { (claim.criterion) }
+                    @if !checks {
+                        td { blockquote { (claim.sentence) } }
+                        td { (claim.criterion) }
+                    }
                     td {
-                        (claim.measured)
+                        @if checks { (claim.sentence) } @else { (claim.measured) }
                         @if drawn.has(claim.evidence.anchor()) { " " a href={ "#" (claim.evidence.anchor()) } { "shown here" } }
                         @if let Some(remark) = &claim.remark { small { (remark) } }
                     }
