@@ -11,5 +11,3 @@ pub mod linkage;
 mod matrix_exp;
 pub mod report;
 pub mod study;
-
-pub use linkage::{console, executive, launch, saturation};

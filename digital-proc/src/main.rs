@@ -16,7 +16,7 @@ fn main() -> ExitCode {
         let _ = rustix::thread::set_name(c"analog-proc");
         analog_proc::cli::main()
     } else {
-        digital_proc::cli::main(digital_proc::launch::AnalogEntry {
+        digital_proc::cli::main(digital_proc::linkage::launch::AnalogEntry {
             serve: analog_proc::session::serve::serve,
         })
     }

@@ -1,7 +1,7 @@
-//! The studies of the paper's section 4.
+//! The studies of the paper's section 4. Nothing here opens a session or writes a file.
 
 pub mod case_study;
-pub(crate) mod evidence;
+pub mod fault;
 pub mod gain_design;
 pub mod long_period;
 pub mod sensitivity;

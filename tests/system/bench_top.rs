@@ -2,7 +2,7 @@
 //! the certainty that nothing is left behind.
 
 use analog_proc::session::serve::serve;
-use digital_proc::{
+use digital_proc::linkage::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
 };
@@ -133,6 +133,17 @@ impl BenchTop {
     }
 }
 
+/// Does `work` at the console of a machine whose two sides are threads of this process.
+pub fn with_console<T>(work: impl FnOnce(&mut Console<'_>) -> T) -> T {
+    let mut started =
+        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
+            .unwrap();
+    let mut console = Console::new(started.port());
+    let done = work(&mut console);
+    console.bye().unwrap();
+    done
+}
+
 /// Runs to the end and fails the test unless it exits with `code`.
 pub fn expect(command: &mut Command, code: i32) -> Output {
     let output = command.output().unwrap();
@@ -144,16 +155,6 @@ pub fn expect(command: &mut Command, code: i32) -> Output {
 /// What a process told of its faults.
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Both sides over a link in memory, in this process; they part in good order.
-pub fn with_machine<T>(what: impl FnOnce(&mut Console<'_>) -> T) -> T {
-    let link = LinkChoice::Memory;
-    let mut started = Started::new(&link, AnalogEntry { serve }, Default::default()).unwrap();
-    let mut console = Console::new(started.port());
-    let result = what(&mut console);
-    console.bye().unwrap();
-    result
 }
 
 /// Programs that do nothing but compute; killed and reaped when dropped.

@@ -3,8 +3,8 @@
 //! An integrator of a DAC: x' = d. The digital side sets d = n + 1 in frame n,
 //! so x(t) is a sum of rectangles that depends on every transfer instant.
 
-use crate::bench_top::with_machine;
-use digital_proc::console::{Console, ConsoleFault};
+use crate::bench_top::with_console;
+use digital_proc::linkage::console::{Console, ConsoleFault};
 use interface::{
     Tick,
     control::{ChannelKind, Clock, PatchBundle, RunSpec},
@@ -39,7 +39,7 @@ fn spec(latency: Tick, skew: Tick, stop: Tick) -> RunSpec {
 /// Runs the patch with d = n + 1 in frame n; returns all samples.
 fn run(spec: &RunSpec, profile: Profile, mode: impl Fn(u64) -> ModeCommand) -> Vec<Samples> {
     let mut all = Vec::new();
-    with_machine(|console| {
+    with_console(|console| {
         console.load(bundle(), Vec::new(), profile).unwrap();
         let channel = console.channel(ChannelKind::Dac, "d").unwrap();
         let mut law = |samples: &Samples, updates: &mut Updates| {
@@ -150,7 +150,7 @@ fn holds_reconstruct_a_ramp() {
 
 #[test]
 fn impossible_runs_are_refused_with_a_reason() {
-    with_machine(|console| {
+    with_console(|console| {
         let mut nothing = |_: &Samples, _: &mut Updates| {};
         let mut refusal =
             |console: &mut Console<'_>, spec: &RunSpec| match console.run(spec, &mut nothing) {

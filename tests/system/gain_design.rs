@@ -1,37 +1,23 @@
 //! Gain design and sensitivity on the machine.
 
-use analog_proc::session::serve::serve;
-use digital_proc::{
-    console::Console,
-    launch::{AnalogEntry, LinkChoice, Started},
-    study::{
-        gain_design::{
-            bench::PitchBench,
-            criteria::Criteria,
-            design::{EFFORT, design},
-            evaluate::{accepted, evaluate, points, worst},
-            merge::merge,
-            search::Effort,
-        },
-        long_period::run::LongPeriodPlan,
-        sensitivity::{
-            dispersion_file::{Dispersions, SHIPPED_TEXT},
-            run::{Measure, loops, run},
-        },
+use crate::{bench_top::with_console, golden, json};
+use digital_proc::study::{
+    gain_design::{
+        design::{EFFORT, design},
+        evaluate::{accepted, evaluate, points, worst},
+        merge::merge,
+        search::Effort,
     },
+    long_period::run::LongPeriodPlan,
+    sensitivity::{
+        dispersion_file::{Dispersions, SHIPPED_TEXT},
+        outcome::outcome,
+        run::{Measure, loops, run},
+    },
+    short_period::machine::Bench,
 };
 use interface::profile::Profile;
 use vehicle::{Vehicle, slice};
-
-fn with_console<T>(work: impl FnOnce(&mut Console<'_>, &Profile) -> T) -> T {
-    let mut started =
-        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
-            .unwrap();
-    let mut console = Console::new(started.port());
-    let done = work(&mut console, &desk::profile::load("ideal").unwrap());
-    console.bye().unwrap();
-    done
-}
 
 /// The paper: "its performance has to be reevaluated again by reverting to the
 /// short period analysis". The flights accept the shipped schedule with fewer
@@ -42,8 +28,8 @@ fn re_evaluation_finds_what_the_flights_do_not() {
     let vehicle = Vehicle::shipped().unwrap();
     let (points, lacking) = points(&vehicle).unwrap();
     assert_eq!((points.len(), lacking.len()), (13, 0));
-    let (reduced, designed) = with_console(|console, profile| {
-        let bench = PitchBench::load(console, profile).unwrap();
+    let (reduced, designed) = with_console(|console| {
+        let bench = Bench::pitch(console, &Profile::ideal()).unwrap();
         let mut of = |data| evaluate(console, &bench, &vehicle, &points, data).unwrap();
         (of(&vehicle.data().gains_reduced), of(&vehicle.data().gains.schedule()))
     });
@@ -56,19 +42,15 @@ fn re_evaluation_finds_what_the_flights_do_not() {
 }
 
 #[test]
-fn the_search_betters_every_interval_and_fewer_switchings_fly() {
+fn the_search_betters_every_interval_and_fewer_switchings_fly_golden() {
     let vehicle = Vehicle::shipped().unwrap();
     // A few evaluations an interval: enough to show the direction, not the end.
     let effort = Effort { evaluations: 6, ..EFFORT };
     let mut told = Vec::new();
-    let (design, merging) = with_console(|console, profile| {
-        let bench = PitchBench::load(console, profile).unwrap();
-        let design =
-            design(console, &bench, &vehicle, &Criteria::DESIGN, effort, &mut |i, _, _| {
-                told.push(i)
-            })
-            .unwrap();
-        let plan = LongPeriodPlan::new(Vec::new(), profile.clone());
+    let (design, merging) = with_console(|console| {
+        let bench = Bench::pitch(console, &Profile::ideal()).unwrap();
+        let design = design(console, &bench, &vehicle, effort, |i, _, _| told.push(i)).unwrap();
+        let plan = LongPeriodPlan::new(Vec::new(), Profile::ideal());
         let merging = merge(console, &vehicle, &plan, &design.schedule, |_, _| {}).unwrap();
         (design, merging)
     });
@@ -88,6 +70,9 @@ fn the_search_betters_every_interval_and_fewer_switchings_fly() {
         assert!(level.schedule.switch_time_s.contains(&17.0));
     }
     assert!(merging.levels[1..].iter().all(|l| l.accepted));
+    let levels = merging.levels.iter().map(|l| (&l.schedule, l.max_q_alpha_padeg, l.severity));
+    let levels = serde_json::json!(levels.collect::<Vec<_>>());
+    golden::hold("design", [("levels".to_owned(), golden::of_json(&levels))].into());
 }
 
 /// With three times the drag the stage meets its greatest dynamic pressure a second later, and
@@ -101,8 +86,8 @@ fn design_and_sensitivity_judge_the_points_of_the_vehicle_in_use() {
     let text = "points = [\"max-q\"]\n[[dispersion]]\ntitle = \"Tips\"\n\
                 quantity = \"tip-force-slope\"\nlow = 0.8\nhigh = 1.2\n";
     let dispersions = Dispersions::from_toml("max-q", text).unwrap();
-    let (judged, dispersed) = with_console(|console, profile| {
-        let bench = PitchBench::load(console, profile).unwrap();
+    let (judged, dispersed) = with_console(|console| {
+        let bench = Bench::pitch(console, &Profile::ideal()).unwrap();
         let (points, _) = points(&vehicle).unwrap();
         let schedule = vehicle.data().gains.schedule();
         (
@@ -122,14 +107,14 @@ fn design_and_sensitivity_judge_the_points_of_the_vehicle_in_use() {
 }
 
 #[test]
-fn dispersions_act_in_the_direction_of_their_physics() {
+fn dispersions_act_in_the_direction_of_their_physics_golden() {
     let vehicle = Vehicle::shipped().unwrap();
     let points = SHIPPED_TEXT.lines().find(|l| l.starts_with("points")).unwrap();
     let text = SHIPPED_TEXT.replace(points, "points = [\"max-q\"]");
     let dispersions = Dispersions::from_toml("max-q", &text).unwrap();
     let mut done = 0;
-    let points = with_console(|console, profile| {
-        let bench = PitchBench::load(console, profile).unwrap();
+    let points = with_console(|console| {
+        let bench = Bench::pitch(console, &Profile::ideal()).unwrap();
         run(console, &bench, &vehicle, &dispersions, |n| done = n).unwrap()
     });
     assert_eq!(points.len(), 1);
@@ -137,19 +122,19 @@ fn dispersions_act_in_the_direction_of_their_physics() {
     let point = &points[0];
     let of = |title: &str, measure: Measure| {
         let effect = point.effects.iter().find(|e| e.dispersion.starts_with(title)).unwrap();
-        [&effect.low, &point.nominal, &effect.high].map(|a| measure.of(a))
+        [&effect.low, &point.nominal, &effect.high].map(measure.of)
     };
     // Less tip force, or a more unstable airframe: less stiffness, more overshoot.
-    let [low, nominal, high] = of("Fin-tip force", Measure::Overshoot);
+    let [low, nominal, high] = of("Fin-tip force", Measure::OVERSHOOT);
     assert!(low > nominal && nominal > high, "{low} {nominal} {high}");
-    let [low, nominal, high] = of("Aerodynamic moment", Measure::Overshoot);
+    let [low, nominal, high] = of("Aerodynamic moment", Measure::OVERSHOOT);
     assert!(low < nominal && nominal < high, "{low} {nominal} {high}");
     // The structure's own damping adds to the mode's: by its dispersion, ±0.005;
     // second order in that shift against a mode 28 rad/s away from all others.
-    let [low, nominal, high] = of("Structural damping", Measure::BendingDamping);
+    let [low, nominal, high] = of("Structural damping", Measure::BENDING_DAMPING);
     assert!((high - nominal - 0.005).abs() < 0.0005, "{nominal} {high}");
     assert!((nominal - low - 0.005).abs() < 0.0005, "{nominal} {low}");
-    let ranked = point.ranked(Measure::BendingDamping);
+    let ranked = point.ranked(Measure::BENDING_DAMPING);
     assert!(ranked[0].dispersion.starts_with("Structural"), "{ranked:?}");
     assert_eq!(point.corners, 1 << dispersions.all.len());
     // The worst corner is no better than the worst single dispersion.
@@ -158,5 +143,8 @@ fn dispersions_act_in_the_direction_of_their_physics() {
         .iter()
         .flat_map(|e| [e.low.bending_damping, e.high.bending_damping])
         .fold(f64::INFINITY, f64::min);
-    assert!(point.worst_corners[1].answer.bending_damping < worst_single);
+    assert!(point.worst_corners[1].quality.bending_damping < worst_single);
+    let told = outcome(&points, &dispersions).json("sensitivity", None, None);
+    json::assert_form("sensitivity", told.to_string().as_bytes(), 0);
+    golden::hold("sensitivity", [("tables".to_owned(), golden::of_json(&told["tables"]))].into());
 }

@@ -63,7 +63,7 @@ fn hex(hash: Sha256) -> String {
 }
 
 /// Names, ticks and bits of a trace.
-fn of_trace(path: &Path) -> String {
+pub fn of_trace(path: &Path) -> String {
     let trace = Trace::read(path).unwrap();
     assert!(trace.is_complete() && trace.rows() > 0, "{}", path.display());
     let mut hash = Sha256::new();

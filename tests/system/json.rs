@@ -63,7 +63,7 @@ fn fault(schema: &Value, value: &Value, at: &str) -> Option<String> {
 }
 
 /// One object on standard output, of the form, with an error just where the command failed.
-fn assert_form(what: &str, text: &[u8], code: i32) -> Value {
+pub fn assert_form(what: &str, text: &[u8], code: i32) -> Value {
     let schema = serde_json::from_str(include_str!("../outcome.schema.json")).unwrap();
     let text = String::from_utf8_lossy(text);
     let value: Value =
@@ -122,6 +122,18 @@ fn every_command_has_one_form() {
             &["plot", "last", "--runs", runs, "--out", html],
             0,
             &["/run", "/tables/files/0/file"],
+        ),
+        (
+            DIGITAL,
+            &["short-period", "pitch", "--point", "max-q", "--out", runs],
+            0,
+            &["/run", "/tables/pitch/1/overshoot_percent", "/tables/linear_agreement/0/agrees"],
+        ),
+        (
+            DIGITAL,
+            &["short-period", "yaw-roll", "--point", "max-q", "--out", runs],
+            0,
+            &["/run", "/tables/yaw_roll/0/tvc_called_s"],
         ),
         (DIGITAL, &["failures"], 0, &["/tables/modes/0/mode"]),
         (

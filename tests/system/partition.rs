@@ -1,9 +1,9 @@
 //! The partitioned machine against the same equations integrated as one system.
 
-use crate::bench_top::with_machine;
+use crate::bench_top::with_console;
 use digital_proc::{
-    executive::Rate,
     flight::{AlphaPath, FlightPlan, FrameResult, Stage, Timing},
+    linkage::executive::Rate,
 };
 use interface::{Tick, frame::Samples};
 use vehicle::{
@@ -33,7 +33,7 @@ fn machine(vehicle: &Vehicle, step: Tick, fast: u64, alpha: AlphaPath) -> Vec<Fl
             samples.push(result.sample);
         }
     };
-    with_machine(|console| {
+    with_console(|console| {
         let mut stage = Stage::load(console, vehicle, &plan.profile).unwrap();
         stage.fly(console, vehicle, &plan, Timing::LockStep, &mut keep).unwrap();
     });

@@ -152,7 +152,7 @@ impl Kernel {
     }
 
     /// Folded operations and rows of one derivative pass.
-    pub(crate) fn len(&self) -> usize {
+    pub fn operations(&self) -> usize {
         self.steps.len() + self.rows.len()
     }
 }

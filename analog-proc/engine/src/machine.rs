@@ -127,7 +127,7 @@ impl Machine {
 
     /// Number of folded operations and sums in one derivative pass.
     pub fn operations(&self) -> usize {
-        self.kernel.len()
+        self.kernel.operations()
     }
 
     pub(crate) fn frozen(&self) -> Frozen {

@@ -66,8 +66,8 @@ impl Check {
         let columns = [
             Column::new("Block", "", |l: &StaticCheckLine| l.block.as_str().into()),
             Column::new("What", "", |l: &StaticCheckLine| l.what.as_str().into()),
-            Column::new("Expected", "", |l: &StaticCheckLine| l.expected.into()).digits(6),
-            Column::new("Found", "", |l: &StaticCheckLine| l.found.into()).digits(6),
+            Column::new("Expected", "", |l: &StaticCheckLine| l.expected.into()).digits(17),
+            Column::new("Found", "", |l: &StaticCheckLine| l.found.into()).digits(17),
             Column::new("Verdict", "", |l: &StaticCheckLine| {
                 if l.agrees { "agrees" } else { "DISAGREES" }.into()
             }),

@@ -1,6 +1,9 @@
 //! Exit codes of this side's own faults.
 
-use crate::{console::ConsoleFault, launch::LaunchFault, study::long_period::run::StudyFault};
+use crate::{
+    linkage::{console::ConsoleFault, launch::LaunchFault},
+    study::{fault::StudyFault, short_period::study_file::StudyError},
+};
 use desk::failure::Failure;
 
 impl From<ConsoleFault> for Failure {
@@ -27,7 +30,19 @@ impl From<LaunchFault> for Failure {
 impl From<StudyFault> for Failure {
     fn from(fault: StudyFault) -> Failure {
         match fault {
+            StudyFault::Console(fault) => fault.into(),
             StudyFault::Flight(fault) => fault.into(),
+            StudyFault::Points(fault) => fault.into(),
+            StudyFault::Vehicle(faults) => faults.into(),
+            other => Failure::input(other),
+        }
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Failure {
+        match error {
+            StudyError::File(faults) => faults.into(),
             other => Failure::input(other),
         }
     }

@@ -13,11 +13,10 @@ mod runs;
 mod sampling;
 mod sensitivity;
 mod short_period;
-mod study_input;
-mod study_run;
+mod study;
 mod vehicle_args;
 
-use crate::launch::{AnalogEntry, LinkChoice, Started};
+use crate::linkage::launch::{AnalogEntry, LinkChoice, Started};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use desk::{
     command_line,

@@ -2,13 +2,13 @@
 
 use super::{Context, MachineArgs};
 use crate::{
-    console::Console,
     lab::{
         Experiment, alpha::Alpha, axes::AxesOfTranslation, bench::Bench, budget::Budget,
         circle::Circle, coefficients::Coefficients, flight::Flight,
         function_generation::FunctionGeneration, loop_study::Loop, noise::Noise, root::Root,
         skew::Skew,
     },
+    linkage::console::Console,
 };
 use clap::{Args, Subcommand};
 use desk::{
@@ -77,12 +77,17 @@ impl<T: Experiment> Lab<T> {
         let link = self.machine.join.link_name();
         let mut run = Run::begin(&self.out, &command, &profile.name, link)?;
         let mut bench = Bench::new(&mut console, profile);
-        let outcome = self.measure(&mut bench).inspect_err(|failure| {
-            // Nothing was run: its settings were not to be had.
-            if failure.code == BAD_INPUT {
-                drop(std::fs::remove_dir_all(run.directory.path()));
+        let outcome = match self.measure(&mut bench) {
+            Ok(outcome) => outcome,
+            Err(failure) => {
+                // Nothing was run: its settings were not to be had. The partner has done no wrong.
+                if failure.code == BAD_INPUT {
+                    drop(std::fs::remove_dir_all(run.directory.path()));
+                    drop(console.bye());
+                }
+                return Err(failure);
             }
-        })?;
+        };
         let (patch, hash) = bench.patch();
         run.patch(patch, hash);
         console.bye()?;

@@ -3,7 +3,7 @@
 //! Resolved once a session, so that a frame touches only numbers. A user's own
 //! stage patch must have every channel named here; it may have more.
 
-use crate::console::{Console, ConsoleFault};
+use crate::linkage::console::{Console, ConsoleFault};
 use interface::{control::ChannelKind, frame::Samples};
 
 /// Declares a set of channels of one kind: a field each, resolved by its own name.

@@ -16,7 +16,7 @@ use super::{
     AlphaPath, FlightFault,
     channels::{AttitudeSample, StageChannels},
 };
-use crate::executive::Rate;
+use crate::linkage::executive::Rate;
 use interface::{
     Tick,
     frame::{RunState, Samples, Updates},

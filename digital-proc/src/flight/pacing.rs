@@ -134,6 +134,9 @@ impl std::fmt::Display for Overrun {
         let frame = self.frame;
         match self.late {
             Late::Samples(by) => write!(f, "frame {frame}: samples {by} late"),
+            Late::Updates(Some(Tick::ZERO)) => {
+                write!(f, "frame {frame}: updates not before the next samples")
+            }
             Late::Updates(Some(by)) => write!(f, "frame {frame}: updates {by} late"),
             Late::Updates(None) => write!(f, "frame {frame}: updates not there before the stop"),
         }

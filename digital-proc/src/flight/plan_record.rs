@@ -6,7 +6,7 @@
 //! Times are written with their units; a damaged record is refused with its line.
 
 use super::{AlphaPath, FlightPlan};
-use crate::executive::Rate;
+use crate::linkage::executive::Rate;
 use clap::ValueEnum;
 use desk::{
     faults::{FileFaults, Source},

@@ -6,7 +6,7 @@
 //! order.
 
 use super::plan::{LabError, Machine, RunPlan};
-use crate::{
+use crate::linkage::{
     console::{Console, ConsoleFault},
     saturation::Saturations,
 };

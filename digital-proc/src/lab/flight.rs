@@ -17,12 +17,11 @@
 
 use super::{identify, *};
 use crate::{
-    console::Console,
-    executive::Rate,
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Observer, Stage, Timing,
         channels::StageChannels, stage_patch,
     },
+    linkage::{console::Console, executive::Rate},
 };
 use desk::run_dir::RunDirError;
 use interface::{
@@ -388,7 +387,7 @@ impl Experiment for Flight {
 
     fn measure(&self, bench: &mut Bench<'_, '_>, outcome: &mut Outcome) -> Result<(), Failure> {
         let own = self.vehicle.as_deref().map(Vehicle::load);
-        let vehicle = own.unwrap_or_else(Vehicle::shipped).map_err(Failure::input)?;
+        let vehicle = own.unwrap_or_else(Vehicle::shipped)?;
         if self.until < Tick::SECOND * 25 {
             return Err(Failure::input(
                 "--until must be at least 25s, the step of the command comes at 20 s",

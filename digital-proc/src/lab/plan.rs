@@ -1,7 +1,7 @@
 //! What one run of an experiment asks of a machine.
 
 use super::theory::{TheoryError, hold::Hold};
-use crate::{console::ConsoleFault, flight::FlightFault, lab::identify::IdentifyError};
+use crate::{flight::FlightFault, lab::identify::IdentifyError, linkage::console::ConsoleFault};
 use desk::{failure::Failure, faults::FileFaults};
 use interface::{
     Tick,

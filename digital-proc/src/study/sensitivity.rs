@@ -6,4 +6,5 @@
 //! eigenvalues of the linearised loop, the worst of each point on the machine.
 
 pub mod dispersion_file;
+pub mod outcome;
 pub mod run;

@@ -255,7 +255,7 @@ impl Outcome {
     pub fn tell(&self, command: &str, run: Option<&Path>, json: bool) -> Result<(), Failure> {
         let text = match json {
             true => format!("{:#}", self.json(command, run, self.verdict().as_ref())),
-            false => self.text().trim_end().to_owned(),
+            false => self.text().trim_matches('\n').to_owned(),
         };
         self.say(text, json)
     }

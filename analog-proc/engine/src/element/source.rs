@@ -152,7 +152,7 @@ impl Noise {
         Noise { sigma, deviates: Normal::seeded(seed) }
     }
 
-    pub(crate) fn next(&mut self) -> f64 {
+    pub fn renew(&mut self) -> f64 {
         self.sigma * self.deviates.draw()
     }
 }

@@ -25,7 +25,7 @@ impl Engine {
                     Firing::Value(value) => self.nets[slot as usize] = value,
                     Firing::Started(wave) => self.frozen.started[wave as usize] = true,
                     Firing::Renew(noise) => {
-                        self.nets[slot as usize] = self.frozen.noises[noise as usize].next();
+                        self.nets[slot as usize] = self.frozen.noises[noise as usize].renew();
                     }
                 }
                 self.frozen.timer_count[i] = n + 1;

@@ -16,7 +16,7 @@ use super::{
     theory::growth_per_cycle,
     *,
 };
-use crate::console::ConsoleFault;
+use crate::linkage::console::ConsoleFault;
 use desk::{
     bundle::bundle_from_path,
     faults::{FileFault, FileFaults, Source, suggestion},

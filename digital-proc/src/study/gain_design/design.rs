@@ -7,23 +7,23 @@
 //! mode, are not put on the machine.
 
 use super::{
-    bench::PitchBench,
-    criteria::{
-        Criteria, DISTURBED_S, LoopQuality, UNDISTURBED_S, least_bending_damping, test_runs,
-    },
+    criteria::{LoopQuality, least_bending_damping, measure},
     schedule,
-    search::{Bounds, Effort, coordinate_search},
+    search::{Bounds, Effort, Found, coordinate_search},
 };
 use crate::{
-    console::{Console, ConsoleFault},
-    study::short_period::{
-        coefficients::{Disturbance, Plane},
-        linear::{ChannelGains, plane_roots},
-        point::FrozenPoint,
-        study_file::StudyError,
+    linkage::console::Console,
+    study::{
+        fault::StudyFault,
+        short_period::{
+            coefficients::{Disturbance, Plane},
+            linear::{ChannelGains, plane_roots},
+            machine::Bench,
+            point::FrozenPoint,
+            study_file::StudyError,
+        },
     },
 };
-use serde::Serialize;
 use vehicle::{
     ScheduleData, Vehicle,
     gain_schedule::LoopGains,
@@ -54,19 +54,8 @@ const TVC_GAIN: Bounds = Bounds { low: 1e3 * DEGREES, high: 1e4 * DEGREES };
 const TVC_LEAD_S: Bounds = Bounds { low: 0.05, high: 1.5 };
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// Why gains could not be designed.
-#[derive(Debug, thiserror::Error)]
-pub enum DesignFault {
-    /// The machine or its link.
-    #[error(transparent)]
-    Console(#[from] ConsoleFault),
-    /// The points, or the nominal flight from which they are frozen.
-    #[error(transparent)]
-    Points(#[from] StudyError),
-}
-
 /// One interval's design.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct IntervalDesign {
     /// Where it is judged, s.
     pub judged_s: [f64; 2],
@@ -78,15 +67,11 @@ pub struct IntervalDesign {
     pub evaluations: usize,
     /// Quality of the designed gains at both places.
     pub quality: [LoopQuality; 2],
-    /// Whether every criterion is met at both.
-    pub met: bool,
 }
 
 /// A designed schedule.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// The criteria.
-    pub criteria: Criteria,
     /// The schedule.
     pub schedule: ScheduleData,
     /// How each interval came out.
@@ -95,21 +80,15 @@ pub struct Design {
     pub runs: usize,
 }
 
-/// Told after each interval: its number, of how many, and how it came out.
-pub type Progress<'p> = &'p mut dyn FnMut(usize, usize, &IntervalDesign);
-
-/// Designs the gains of every interval of the vehicle's own switch times.
-///
-/// # Errors
-/// [`DesignFault`]: the machine or the nominal flight.
+/// Designs the gains of every interval of the vehicle's own switch times; `progress` is told
+/// each interval's number, of how many, and how it came out.
 pub fn design(
     console: &mut Console<'_>,
-    bench: &PitchBench,
+    bench: &Bench,
     vehicle: &Vehicle,
-    criteria: &Criteria,
     effort: Effort,
-    progress: Progress<'_>,
-) -> Result<Design, DesignFault> {
+    mut progress: impl FnMut(usize, usize, &IntervalDesign),
+) -> Result<Design, StudyFault> {
     let switches = vehicle.designed_schedule().switch_time_s().to_vec();
     let last_s = vehicle.data().mass.burn_time_s - END_MARGIN_S;
     let ends: Vec<[f64; 2]> = switches
@@ -124,7 +103,6 @@ pub fn design(
     let slices = slice::points(vehicle, &wanted).map_err(StudyError::from)?;
     let tip_travel_deg = vehicle.data().ftc.delta_max_deg;
     let mut found = Design {
-        criteria: *criteria,
         schedule: schedule::empty(),
         intervals: Vec::with_capacity(switches.len()),
         runs: 0,
@@ -134,37 +112,34 @@ pub fn design(
             console,
             bench,
             vehicle,
-            criteria,
             slices: [&slices[2 * i], &slices[2 * i + 1]],
             runs: 0,
         };
         let with_tips = switches[i] >= vehicle.data().ftc.on_time_s;
-        let (gains, searched) = judge.interval(with_tips, effort)?;
+        let (gains, first_cost, evaluations) = judge.interval(with_tips, effort)?;
         schedule::push(&mut found.schedule, switches[i], &gains);
         schedule::close(&mut found.schedule, tip_travel_deg);
-        let rounded = schedule::gains(&found.schedule, i);
-        let quality = judge.quality(&rounded)?;
+        let quality = judge.quality(&schedule::gains(&found.schedule, i))?;
         found.runs += judge.runs;
-        let interval = IntervalDesign {
-            judged_s: *judged_s,
-            first_cost: searched.0,
-            cost: quality.iter().map(|q| criteria.cost(q)).fold(0.0, f64::max),
-            evaluations: searched.1,
-            quality,
-            met: quality.iter().all(|q| criteria.met(q)),
-        };
+        let cost = worse(&quality);
+        let interval =
+            IntervalDesign { judged_s: *judged_s, first_cost, cost, evaluations, quality };
         progress(i + 1, switches.len(), &interval);
         found.intervals.push(interval);
     }
     Ok(found)
 }
 
+/// The worse cost of the two ends.
+fn worse(quality: &[LoopQuality; 2]) -> f64 {
+    quality.iter().map(LoopQuality::cost).fold(0.0, f64::max)
+}
+
 /// Tries gains at both ends of one interval.
 struct Judge<'j, 'c, 'p> {
     console: &'j mut Console<'p>,
-    bench: &'c PitchBench,
+    bench: &'c Bench,
     vehicle: &'c Vehicle,
-    criteria: &'c Criteria,
     slices: [&'c SlicePoint; 2],
     runs: usize,
 }
@@ -175,9 +150,12 @@ impl Judge<'_, '_, '_> {
         &mut self,
         with_tips: bool,
         effort: Effort,
-    ) -> Result<(LoopGains, (f64, usize)), DesignFault> {
+    ) -> Result<(LoopGains, f64, usize), StudyFault> {
         let start = self.start(with_tips);
         let travel_rad = self.vehicle.data().ftc.delta_max_deg.to_radians();
+        fn told<const N: usize>(gains: LoopGains, found: &Found<N>) -> (LoopGains, f64, usize) {
+            (gains, found.first_cost, found.evaluations)
+        }
         if with_tips {
             let gains = |p: &[f64; 4]| LoopGains {
                 ftc_gain: p[0],
@@ -186,13 +164,10 @@ impl Judge<'_, '_, '_> {
                 tvc_lead_s: p[3],
                 dead_zone_rad: travel_rad / p[0],
             };
-            let found = coordinate_search(
-                [start.ftc_gain, start.ftc_lead_s, start.tvc_gain_nprad, start.tvc_lead_s],
-                &[FTC_GAIN, FTC_LEAD_S, TVC_GAIN, TVC_LEAD_S],
-                effort,
-                |p| self.cost(&gains(p)),
-            )?;
-            Ok((gains(&found.parameters), (found.first_cost, found.evaluations)))
+            let from = [start.ftc_gain, start.ftc_lead_s, start.tvc_gain_nprad, start.tvc_lead_s];
+            let bounds = [FTC_GAIN, FTC_LEAD_S, TVC_GAIN, TVC_LEAD_S];
+            let found = coordinate_search(from, &bounds, effort, |p| self.cost(&gains(p)))?;
+            Ok(told(gains(&found.parameters), &found))
         } else {
             let gains = |p: &[f64; 2]| LoopGains {
                 ftc_gain: 0.0,
@@ -201,13 +176,10 @@ impl Judge<'_, '_, '_> {
                 tvc_lead_s: p[1],
                 dead_zone_rad: 0.0,
             };
-            let found = coordinate_search(
-                [start.tvc_gain_nprad, start.tvc_lead_s],
-                &[TVC_GAIN, TVC_LEAD_S],
-                effort,
-                |p| self.cost(&gains(p)),
-            )?;
-            Ok((gains(&found.parameters), (found.first_cost, found.evaluations)))
+            let from = [start.tvc_gain_nprad, start.tvc_lead_s];
+            let bounds = [TVC_GAIN, TVC_LEAD_S];
+            let found = coordinate_search(from, &bounds, effort, |p| self.cost(&gains(p)))?;
+            Ok(told(gains(&found.parameters), &found))
         }
     }
 
@@ -243,7 +215,7 @@ impl Judge<'_, '_, '_> {
     }
 
     /// The worse cost of the two ends.
-    fn cost(&mut self, gains: &LoopGains) -> Result<f64, DesignFault> {
+    fn cost(&mut self, gains: &LoopGains) -> Result<f64, StudyFault> {
         let mut refused = 0.0;
         for slice in self.slices {
             let frozen = FrozenPoint::new(self.vehicle, slice, gains);
@@ -256,11 +228,10 @@ impl Judge<'_, '_, '_> {
         if refused > 0.0 {
             return Ok(REFUSED * (1.0 + refused));
         }
-        let quality = self.quality(gains)?;
-        Ok(quality.iter().map(|q| self.criteria.cost(q)).fold(0.0, f64::max))
+        Ok(worse(&self.quality(gains)?))
     }
 
-    fn quality(&mut self, gains: &LoopGains) -> Result<[LoopQuality; 2], DesignFault> {
+    fn quality(&mut self, gains: &LoopGains) -> Result<[LoopQuality; 2], StudyFault> {
         let mut run = |slice: &SlicePoint| {
             let frozen = FrozenPoint::new(self.vehicle, slice, gains);
             self.runs += 2;
@@ -268,19 +239,4 @@ impl Judge<'_, '_, '_> {
         };
         Ok([run(self.slices[0])?, run(self.slices[1])?])
     }
-}
-
-/// Both runs at a frozen point, measured.
-///
-/// # Errors
-/// [`ConsoleFault`]: the machine or its link.
-pub fn measure(
-    console: &mut Console<'_>,
-    bench: &PitchBench,
-    frozen: &FrozenPoint,
-) -> Result<LoopQuality, ConsoleFault> {
-    let [quiet, full] = test_runs(frozen);
-    let undisturbed = bench.run(console, &quiet, UNDISTURBED_S)?;
-    let disturbed = bench.run(console, &full, DISTURBED_S)?;
-    Ok(LoopQuality::new(frozen, &full, &undisturbed, &disturbed))
 }

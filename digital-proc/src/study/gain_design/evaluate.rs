@@ -1,30 +1,26 @@
 //! A schedule seen by the short-period model at the study's trajectory points.
 
 use super::{
-    bench::PitchBench,
-    criteria::LoopQuality,
-    design::{DesignFault, measure},
+    criteria::{LoopQuality, measure},
     schedule,
 };
 use crate::{
-    console::Console,
-    study::short_period::{
-        claims::{OVERSHOOT_P1, RESIDUAL_P1},
-        places::{Lacking, locate},
-        point::FrozenPoint,
-        study_file::{Study, StudyError},
+    linkage::console::Console,
+    study::{
+        fault::StudyFault,
+        short_period::{
+            claims::{OVERSHOOT_P1, RESIDUAL_P1},
+            machine::Bench,
+            places::{Lacking, locate},
+            point::FrozenPoint,
+            study_file::{Study, StudyError},
+        },
     },
 };
-use serde::Serialize;
-use vehicle::{ScheduleData, Vehicle, gain_schedule::LoopGains, slice::SlicePoint};
-
-/// Overshoot accepted of a schedule, fraction of the step (criterion P1).
-pub const OVERSHOOT: f64 = OVERSHOOT_P1;
-/// Residual oscillation accepted, fraction of the step (criterion P1).
-pub const RESIDUAL: f64 = RESIDUAL_P1;
+use vehicle::{ScheduleData, Vehicle, slice::SlicePoint};
 
 /// A schedule at one point.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PointQuality {
     /// The point's name.
     pub point: String,
@@ -35,17 +31,27 @@ pub struct PointQuality {
 }
 
 impl PointQuality {
-    /// Whether overshoot and residual are accepted here.
+    /// Whether overshoot and residual are accepted here (criterion P1).
     pub fn accepted(&self) -> bool {
-        self.quality.overshoot.is_some_and(|v| v <= OVERSHOOT)
-            && self.quality.residual.is_some_and(|v| v <= RESIDUAL)
+        self.failures().is_empty()
     }
-}
 
-/// Gains of a schedule at a flight time.
-pub fn gains_at(data: &ScheduleData, time_s: f64) -> LoopGains {
-    let begun = data.switch_time_s.partition_point(|&t| t <= time_s);
-    schedule::gains(data, begun.max(1) - 1)
+    /// Which criteria it fails and by how much, as `overshoot 31.2 % at max-q (32.5 s)`.
+    pub(super) fn failures(&self) -> Vec<String> {
+        let of = |(name, value, most): (&str, Option<f64>, f64)| {
+            let told = match value {
+                Some(v) if v <= most => return None,
+                Some(v) => format!("{name} {:.1} %", 100.0 * v),
+                None => format!("no {name}, it diverges,"),
+            };
+            Some(format!("{told} at {} ({} s)", self.point, self.time_s))
+        };
+        let judged = [
+            ("overshoot", self.quality.overshoot, OVERSHOOT_P1),
+            ("residual", self.quality.residual, RESIDUAL_P1),
+        ];
+        judged.into_iter().filter_map(of).collect()
+    }
 }
 
 /// The points of the shipped study on the vehicle's own flight, and those that it lacks.
@@ -62,45 +68,23 @@ pub fn points(vehicle: &Vehicle) -> Result<(Vec<SlicePoint>, Vec<Lacking>), Stud
 }
 
 /// Runs the pitch test with a schedule's gains at some points.
-///
-/// # Errors
-/// [`DesignFault`]: the machine.
 pub fn evaluate(
     console: &mut Console<'_>,
-    bench: &PitchBench,
+    bench: &Bench,
     vehicle: &Vehicle,
     points: &[SlicePoint],
     data: &ScheduleData,
-) -> Result<Vec<PointQuality>, DesignFault> {
-    points
-        .iter()
-        .map(|slice| {
-            let gains = gains_at(data, slice.time_s);
-            let frozen = FrozenPoint::new(vehicle, slice, &gains);
-            Ok(PointQuality {
-                point: slice.name.clone(),
-                time_s: slice.time_s,
-                quality: measure(console, bench, &frozen)?,
-            })
+) -> Result<Vec<PointQuality>, StudyFault> {
+    let mut at = |slice: &SlicePoint| {
+        let begun = data.switch_time_s.partition_point(|&t| t <= slice.time_s);
+        let gains = schedule::gains(data, begun.max(1) - 1);
+        Ok(PointQuality {
+            point: slice.name.clone(),
+            time_s: slice.time_s,
+            quality: measure(console, bench, &FrozenPoint::new(vehicle, slice, &gains))?,
         })
-        .collect()
-}
-
-impl PointQuality {
-    /// Which criteria it fails and by how much, as `overshoot 31.2 % at max-q (32.5 s)`.
-    pub fn failures(&self) -> Vec<String> {
-        let of = |name: &str, value: Option<f64>, most: f64| {
-            let told = match value {
-                Some(v) if v <= most => return None,
-                Some(v) => format!("{name} {:.1} %", 100.0 * v),
-                None => format!("no {name}, it diverges,"),
-            };
-            Some(format!("{told} at {} ({} s)", self.point, self.time_s))
-        };
-        let overshoot = of("overshoot", self.quality.overshoot, OVERSHOOT);
-        let residual = of("residual", self.quality.residual, RESIDUAL);
-        overshoot.into_iter().chain(residual).collect()
-    }
+    };
+    points.iter().map(&mut at).collect()
 }
 
 /// Whether a schedule is accepted at every point.

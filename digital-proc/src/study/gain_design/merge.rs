@@ -8,35 +8,25 @@
 
 use super::schedule;
 use crate::{
-    console::Console,
     flight::Stage,
-    study::long_period::{
-        results::{Acceptance, Departure, FlightFigures, FlightWind},
-        run::{Bench, LongPeriodPlan, StudyFault},
+    linkage::console::Console,
+    study::{
+        fault::StudyFault,
+        long_period::{
+            results::{Acceptance, Departure, FlightWind},
+            run::{Bench, LongPeriodPlan},
+        },
     },
 };
-use desk::faults::FileFaults;
-use serde::Serialize;
-use vehicle::{ScheduleData, Vehicle, flight_mode::FlightScript};
+use vehicle::{ScheduleData, Vehicle, flight_mode::FlightScript, flight_summary::FlightSummary};
 
 /// Reserve kept below the load limit, fraction of it.
-pub const LOAD_RESERVE: f64 = 0.10;
+const LOAD_RESERVE: f64 = 0.10;
 /// Misalignments in pitch at which a trial is flown beside the design case's, × 3σ.
-pub const TRIAL_MISALIGNMENTS: [f64; 2] = [-1.0, 1.0];
-
-/// Why merging could not go on.
-#[derive(Debug, thiserror::Error)]
-pub enum MergeFault {
-    /// A trial flight.
-    #[error(transparent)]
-    Study(#[from] StudyFault),
-    /// A merged schedule that the vehicle refuses.
-    #[error(transparent)]
-    Vehicle(#[from] FileFaults),
-}
+const TRIAL_MISALIGNMENTS: [f64; 2] = [-1.0, 1.0];
 
 /// A schedule and what its flights came to.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// The schedule.
     pub schedule: ScheduleData,
@@ -49,7 +39,7 @@ pub struct Trial {
 }
 
 /// What merging came to.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Merging {
     /// The start and every accepted merger, one interval fewer each.
     pub levels: Vec<Trial>,
@@ -58,7 +48,7 @@ pub struct Merging {
 }
 
 /// The schedule with intervals `i` and `i + 1` merged.
-pub fn merged(data: &ScheduleData, i: usize, end_s: f64, tip_travel_deg: f64) -> ScheduleData {
+fn merged(data: &ScheduleData, i: usize, end_s: f64, tip_travel_deg: f64) -> ScheduleData {
     let t = &data.switch_time_s;
     let ends = [t[i], t[i + 1], t.get(i + 2).copied().unwrap_or(end_s)];
     let weight = (ends[1] - ends[0]) / (ends[2] - ends[0]);
@@ -89,17 +79,14 @@ fn pairs(data: &ScheduleData) -> impl Iterator<Item = usize> {
 
 /// Merges intervals of `start` until no further merger is accepted; `progress`
 /// is told the intervals left and the flights flown.
-///
-/// # Errors
-/// [`MergeFault`]: the machine, or a schedule that is none.
 pub fn merge(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
     plan: &LongPeriodPlan,
     start: &ScheduleData,
     mut progress: impl FnMut(&Trial, usize),
-) -> Result<Merging, MergeFault> {
-    let stage = Stage::load(console, vehicle, &plan.profile).map_err(StudyFault::from)?;
+) -> Result<Merging, StudyFault> {
+    let stage = Stage::load(console, vehicle, &plan.profile)?;
     let mut trials =
         Trials { bench: Bench::new(vehicle, plan, stage)?, vehicle, nominal: None, flights: 0 };
     let burn_s = vehicle.data().mass.burn_time_s;
@@ -127,12 +114,12 @@ pub fn merge(
 struct Trials<'v> {
     bench: Bench<'v>,
     vehicle: &'v Vehicle,
-    nominal: Option<FlightFigures>,
+    nominal: Option<FlightSummary>,
     flights: usize,
 }
 
 impl Trials<'_> {
-    fn fly(&mut self, console: &mut Console<'_>, data: &ScheduleData) -> Result<Trial, MergeFault> {
+    fn fly(&mut self, console: &mut Console<'_>, data: &ScheduleData) -> Result<Trial, StudyFault> {
         let candidate = schedule::with_designed(self.vehicle, data)?;
         let case = &self.vehicle.data().long_period_case;
         let sound = FlightScript::sound();
@@ -142,9 +129,7 @@ impl Trials<'_> {
                 self.flights += 1;
                 let (flown, _) =
                     self.bench.fly(console, self.vehicle, &sound, FlightWind::Calm, [0.0; 2])?;
-                let figures =
-                    flown.figures.ok_or(StudyFault::NominalLost(flown.lost.unwrap_or_default()))?;
-                *self.nominal.insert(figures)
+                *self.nominal.insert(flown.ended.map_err(StudyFault::NominalLost)?)
             }
         };
         let accept = Acceptance::new(self.vehicle);
@@ -160,9 +145,9 @@ impl Trials<'_> {
                 FlightWind::DesignCase,
                 [pitch, case.misalign_yaw],
             )?;
-            load = load.max(flown.figures.map_or(f64::INFINITY, |f| f.max_q_alpha_padeg));
-            if let (0, Some(figures)) = (k, flown.figures) {
-                severity = Departure::new(&figures, &nominal).severity(&accept);
+            load = load.max(flown.ended.as_ref().map_or(f64::INFINITY, |f| f.max_q_alpha.value));
+            if let (0, Ok(flight)) = (k, &flown.ended) {
+                severity = Departure::new(flight, &nominal).severity(&accept);
             }
         }
         Ok(Trial {

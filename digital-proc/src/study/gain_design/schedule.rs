@@ -1,12 +1,19 @@
-//! A gain schedule being designed: its form in the vehicle file, and back.
+//! A gain schedule being designed: its form in the vehicle file and back, and as charts.
 
-use desk::faults::FileFaults;
+use desk::{
+    faults::FileFaults,
+    report::{
+        plot::{Axis, LineChart, Series, Size, line_chart},
+        side_by_side,
+    },
+};
+use maud::Markup;
 use std::fmt::Write;
 use vehicle::{ScheduleData, Vehicle, VehicleData, gain_schedule::LoopGains};
 
 /// Appends an interval, its gains rounded to the digits of the vehicle file so
 /// that what is printed is what was tried. The dead zone is left to [`close`].
-pub fn push(schedule: &mut ScheduleData, switch_time_s: f64, gains: &LoopGains) {
+pub(crate) fn push(schedule: &mut ScheduleData, switch_time_s: f64, gains: &LoopGains) {
     // By division: a multiple of 0.1 or 0.01 then is the nearest number to its print.
     let rounded =
         |value: f64, steps_per_unit: f64| (value * steps_per_unit).round() / steps_per_unit;
@@ -20,14 +27,14 @@ pub fn push(schedule: &mut ScheduleData, switch_time_s: f64, gains: &LoopGains) 
 
 /// Sets every dead zone to the error at which the tips saturate, δ_max/K_F, and
 /// to none where there are no tips.
-pub fn close(schedule: &mut ScheduleData, tip_travel_deg: f64) {
+pub(crate) fn close(schedule: &mut ScheduleData, tip_travel_deg: f64) {
     for (zone, gain) in schedule.dead_zone_deg.iter_mut().zip(&schedule.ftc_gain) {
         *zone = if *gain > 0.0 { (100.0 * tip_travel_deg / gain).round() / 100.0 } else { 0.0 };
     }
 }
 
 /// No intervals.
-pub fn empty() -> ScheduleData {
+pub(crate) fn empty() -> ScheduleData {
     ScheduleData {
         switch_time_s: Vec::new(),
         ftc_gain: Vec::new(),
@@ -39,7 +46,7 @@ pub fn empty() -> ScheduleData {
 }
 
 /// Gains of interval `i` in SI units.
-pub fn gains(schedule: &ScheduleData, i: usize) -> LoopGains {
+pub(crate) fn gains(schedule: &ScheduleData, i: usize) -> LoopGains {
     LoopGains {
         ftc_gain: schedule.ftc_gain[i],
         ftc_lead_s: schedule.ftc_lead_s[i],
@@ -50,10 +57,10 @@ pub fn gains(schedule: &ScheduleData, i: usize) -> LoopGains {
 }
 
 /// The vehicle with another designed schedule.
-///
-/// # Errors
-/// [`FileFaults`] when the schedule is not a valid one.
-pub fn with_designed(vehicle: &Vehicle, schedule: &ScheduleData) -> Result<Vehicle, FileFaults> {
+pub(crate) fn with_designed(
+    vehicle: &Vehicle,
+    schedule: &ScheduleData,
+) -> Result<Vehicle, FileFaults> {
     let mut data: VehicleData = vehicle.data().clone();
     let gains = &mut data.gains;
     gains.switch_time_s.clone_from(&schedule.switch_time_s);
@@ -66,7 +73,7 @@ pub fn with_designed(vehicle: &Vehicle, schedule: &ScheduleData) -> Result<Vehic
 }
 
 /// The schedule as a section of the vehicle file, columns aligned.
-pub fn as_toml(section: &str, comment: &str, schedule: &ScheduleData) -> String {
+pub(crate) fn as_toml(section: &str, comment: &str, schedule: &ScheduleData) -> String {
     let mut out = format!("[{section}]");
     let _ = writeln!(out, "  # {comment}");
     for (key, values, digits) in [
@@ -81,6 +88,31 @@ pub fn as_toml(section: &str, comment: &str, schedule: &ScheduleData) -> String 
         let _ = writeln!(out, "{key:8} = [{}]", values.join(", "));
     }
     out
+}
+
+/// The gains of schedules against flight time, each held from switch to switch.
+pub(crate) fn charts(schedules: &[(&str, &ScheduleData)], end_s: f64) -> Markup {
+    type Row = (&'static str, &'static str, f64, fn(&ScheduleData) -> &[f64]);
+    let rows: [Row; 5] = [
+        ("FTC gain K_F", "° fin/°", 1.0, |s| &s.ftc_gain),
+        ("FTC rate gain T_F", "s", 1.0, |s| &s.ftc_lead_s),
+        ("TVC gain K_T", "kN/°", 1e-3, |s| &s.tvc_gain_npdeg),
+        ("TVC rate gain T_T", "s", 1.0, |s| &s.tvc_lead_s),
+        ("TVC dead zone", "°", 1.0, |s| &s.dead_zone_deg),
+    ];
+    let chart = |(label, unit, factor, values): Row| {
+        let curve = |(name, schedule): &(&str, &ScheduleData)| {
+            let mut x = schedule.switch_time_s.clone();
+            let mut y: Vec<f64> = values(schedule).iter().map(|v| v * factor).collect();
+            x.push(end_s);
+            y.extend(y.last().copied());
+            Series::step(*name, &x, &y)
+        };
+        let axes = (Axis::new("Flight time", "s"), Axis::new(label, unit));
+        let series = schedules.iter().map(curve).collect();
+        line_chart(&LineChart::new(label, axes.0, axes.1, series).size(Size::HALF))
+    };
+    side_by_side(&rows.map(chart))
 }
 
 #[cfg(test)]

@@ -2,31 +2,41 @@
 //! as sections of a vehicle file, under what they are and nothing better.
 
 use super::{
-    evaluate::{OVERSHOOT, PointQuality, RESIDUAL, accepted},
+    evaluate::{PointQuality, accepted},
     merge::Trial,
     schedule::as_toml,
 };
+use crate::study::short_period::claims::{OVERSHOOT_P1, RESIDUAL_P1};
 
 /// A schedule of the merging with its quality at the trajectory points.
-pub type Level<'a> = (&'a Trial, &'a [PointQuality]);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// The schedule and its flights.
+    pub trial: Trial,
+    /// Its points.
+    pub points: Vec<PointQuality>,
+}
+
+impl Level {
+    /// Switchings of the schedule.
+    pub(super) fn switchings(&self) -> usize {
+        self.trial.schedule.switch_time_s.len().saturating_sub(1)
+    }
+}
 
 /// The schedule of the fewest switchings that both the flights and the short-period model accept.
-pub fn fewest_accepted<'a>(levels: &[Level<'a>]) -> Option<&'a Trial> {
-    levels
-        .iter()
-        .rev()
-        .find(|(trial, points)| trial.accepted && accepted(points))
-        .map(|(trial, _)| *trial)
+pub(super) fn fewest_accepted(levels: &[Level]) -> Option<&Trial> {
+    let mut levels = levels.iter().rev();
+    levels.find(|l| l.trial.accepted && accepted(&l.points)).map(|l| &l.trial)
 }
 
 /// The schedule of the fewest switchings that the flights accept.
-pub fn fewest_flown<'a>(levels: &[Level<'a>]) -> Option<&'a Trial> {
-    let mut trials = levels.iter().rev().map(|(trial, _)| *trial);
-    trials.find(|trial| trial.accepted)
+fn fewest_flown(levels: &[Level]) -> Option<&Trial> {
+    levels.iter().rev().map(|l| &l.trial).find(|trial| trial.accepted)
 }
 
 /// What speaks against one schedule; empty where it is accepted.
-pub fn objections((trial, points): Level<'_>) -> Vec<String> {
+fn objections(Level { trial, points }: &Level) -> Vec<String> {
     let flights = (!trial.accepted).then(|| {
         format!(
             "flights: {:.1} kPa deg, departure at burn-out {:.2} of what is accepted",
@@ -39,35 +49,34 @@ pub fn objections((trial, points): Level<'_>) -> Vec<String> {
 }
 
 /// That no schedule is accepted, with everything that speaks against each; a line a schedule.
-pub fn none_accepted(levels: &[Level<'_>]) -> String {
+pub(super) fn none_accepted(levels: &[Level]) -> String {
     let mut text = format!(
         "no schedule is accepted by flights and by the short-period model (overshoot at most {} %, residual at most {} %)",
-        100.0 * OVERSHOOT,
-        100.0 * RESIDUAL
+        100.0 * OVERSHOOT_P1,
+        100.0 * RESIDUAL_P1
     );
     for level in levels {
-        let switchings = level.0.schedule.switch_time_s.len() - 1;
-        text += &format!("\n{switchings} switchings: {}", objections(*level).join("; "));
+        text += &format!("\n{} switchings: {}", level.switchings(), objections(level).join("; "));
     }
     text
 }
 
 /// The designed schedule as `[gains]`; it is the first level.
-pub fn designed_section(levels: &[Level<'_>]) -> String {
+pub(super) fn designed_section(levels: &[Level]) -> String {
     levels.first().map_or_else(String::new, |first| {
-        let against = objections(*first);
+        let against = objections(first);
         let comment = if against.is_empty() {
             "designed here; K_phi, T_phi, decoupled_yaw_* stay as they are".to_owned()
         } else {
             format!("designed here, NOT accepted: {}", against.join("; "))
         };
-        as_toml("gains", &comment, &first.0.schedule)
+        as_toml("gains", &comment, &first.trial.schedule)
     })
 }
 
 /// The accepted schedule of the fewest switchings as `[gains_reduced]`, and, as a comment, the one
 /// that the flights alone accept. Where none is accepted that is said in its place.
-pub fn reduced_sections(levels: &[Level<'_>]) -> String {
+pub(super) fn reduced_sections(levels: &[Level]) -> String {
     let both = fewest_accepted(levels).map_or_else(
         || commented(&format!("[gains_reduced]: {}", none_accepted(levels))),
         |trial| {
@@ -111,6 +120,7 @@ mod tests {
                 settling_s: Some(1.0),
                 error: Some(0.1),
                 bending_decay: Some(0.1),
+                attitude_damping: None,
                 bending_damping: 0.02,
                 gain_margin_db: 6.0,
                 tvc_use: 0.1,
@@ -122,29 +132,25 @@ mod tests {
     #[test]
     fn a_rejected_schedule_is_never_the_accepted_one() {
         let trials = [trial(3, true), trial(2, true), trial(1, true), trial(0, false)];
-        let good = [point(Some(0.2), 0.01)];
-        let bad = [point(Some(0.312), 0.01)];
-        let diverged = [point(None, 0.2)];
-        let levels = |of: [&'static str; 4]| -> Vec<Level<'_>> {
-            let points = |name| match name {
-                "good" => &good[..],
-                "bad" => &bad[..],
-                _ => &diverged[..],
-            };
-            trials.iter().zip(of.map(points)).collect()
+        let good = vec![point(Some(0.2), 0.01)];
+        let bad = vec![point(Some(0.312), 0.01)];
+        let diverged = vec![point(None, 0.2)];
+        let levels = |of: [&Vec<PointQuality>; 4]| -> Vec<Level> {
+            let all = trials.iter().cloned().zip(of);
+            all.map(|(trial, points)| Level { trial, points: points.clone() }).collect()
         };
         // The last is good at its points, but not in flight.
-        let some = levels(["good", "good", "bad", "good"]);
+        let some = levels([&good, &good, &bad, &good]);
         assert_eq!(fewest_accepted(&some).unwrap().schedule.switch_time_s.len(), 3);
         assert_eq!(fewest_flown(&some).unwrap().schedule.switch_time_s.len(), 2);
-        let read = |levels: &[Level<'_>]| -> toml::Table {
+        let read = |levels: &[Level]| -> toml::Table {
             let text = designed_section(levels) + &reduced_sections(levels);
             toml::from_str(&text).unwrap()
         };
         let times = read(&some)["gains_reduced"]["t_sw"].as_array().unwrap().len();
         assert_eq!(times, 3);
         assert!(!designed_section(&some).contains("NOT accepted"));
-        let none = levels(["bad", "diverged", "bad", "good"]);
+        let none = levels([&bad, &diverged, &bad, &good]);
         assert!(fewest_accepted(&none).is_none());
         assert!(!read(&none).contains_key("gains_reduced"));
         assert!(designed_section(&none).contains("NOT accepted: overshoot 31.2 %"));

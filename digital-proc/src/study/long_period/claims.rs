@@ -3,8 +3,13 @@
 //! A flight that was lost fails every claim it belongs to.
 
 use super::results::{Flown, LongPeriodResults, ModeResult};
-use crate::study::evidence;
-use desk::claim::{Claim, Verdict};
+use desk::claim::{Claim, Evidence, Verdict};
+
+// Where the report shows them.
+pub(super) const FIGURE_8: Evidence = Evidence::at("figure-8");
+pub(super) const MODES: Evidence = Evidence::at("modes");
+pub(super) const LOADS: Evidence = Evidence::at("loads");
+pub(super) const Q_ALPHA: Evidence = Evidence::at("q-alpha");
 
 /// Judges L1, L2, L2b and L3.
 pub fn judge(results: &LongPeriodResults) -> Vec<Claim> {
@@ -15,23 +20,9 @@ fn verdict(holds: bool) -> Verdict {
     if holds { Verdict::Holds } else { Verdict::Fails }
 }
 
-/// Whether a flight breaks the load limit; a lost one does.
-fn exceeds(results: &LongPeriodResults, flown: &Flown) -> bool {
-    flown
-        .figures
-        // A peak that is no number must not pass.
-        .is_none_or(|f| {
-            f.max_q_alpha_padeg.is_nan() || f.max_q_alpha_padeg > results.accept.q_alpha_padeg
-        })
-}
-
 fn named<'a>(modes: impl Iterator<Item = &'a ModeResult>) -> String {
     let names: Vec<&str> = modes.map(|m| m.name.as_str()).collect();
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-}
-
-fn load_kpadeg(flown: &Flown) -> f64 {
-    flown.figures.map_or(f64::INFINITY, |f| f.max_q_alpha_padeg / 1e3)
 }
 
 /// Severity of a mode's design-case burn-out; above 1 is not accepted.
@@ -40,7 +31,7 @@ fn severity(results: &LongPeriodResults, mode: &ModeResult) -> f64 {
 }
 
 fn departure_words(mode: &ModeResult) -> String {
-    match (&mode.departure, &mode.design.lost) {
+    match (&mode.departure, &mode.design.ended) {
         (Some(d), _) => format!(
             "{:+.2} % velocity, {:+.2}° path angle, {:+.2} % altitude, {:+.2} km range",
             100.0 * d.speed_fraction,
@@ -48,7 +39,7 @@ fn departure_words(mode: &ModeResult) -> String {
             100.0 * d.altitude_fraction,
             d.range_km
         ),
-        (None, lost) => format!("lost: {}", lost.as_deref().unwrap_or("no reason given")),
+        (None, lost) => format!("lost: {}", lost.as_ref().err().map_or("no reason given", |l| l)),
     }
 }
 
@@ -59,7 +50,7 @@ fn l1(results: &LongPeriodResults) -> Claim {
     let holds = results.modes.iter().all(|m| severity(results, m) <= 1.0);
     Claim {
         id: "L1".into(),
-        evidence: evidence::MODES,
+        evidence: MODES,
         sentence: "the trajectory variables are not very sensitive to changes in the control system parameter values".into(),
         criterion: format!(
             "all modes at burn-out within {} % of velocity, {}° of flight-path angle, {} % of altitude, {} km of range of the undisturbed flight",
@@ -77,33 +68,47 @@ fn l1(results: &LongPeriodResults) -> Claim {
     }
 }
 
-fn l2(results: &LongPeriodResults) -> Claim {
-    let over = || results.modes.iter().filter(|m| exceeds(results, &m.design));
-    let next = results
-        .modes
-        .iter()
-        .filter(|m| !exceeds(results, &m.design))
-        .max_by(|a, b| load_kpadeg(&a.design).total_cmp(&load_kpadeg(&b.design)));
-    let mut measured = format!("above the limit: {}", named(over()));
-    for mode in over().take(1).chain(next) {
-        measured += &format!("; {} {:.1} kPa deg", mode.name, load_kpadeg(&mode.design));
+/// What exceeds the load limit, and of the first such mode and the next below it the loads.
+fn loads(
+    results: &LongPeriodResults,
+    exceeds: impl Fn(&ModeResult) -> bool,
+    shown: impl Fn(&ModeResult) -> (f64, String),
+) -> (bool, String) {
+    let (over, within): (Vec<_>, Vec<_>) = results.modes.iter().partition(|m| exceeds(m));
+    let next = within.into_iter().max_by(|a, b| shown(a).0.total_cmp(&shown(b).0));
+    let mut measured = format!("above the limit: {}", named(over.iter().copied()));
+    for mode in over.iter().copied().take(1).chain(next) {
+        measured += &format!("; {} {} kPa deg", mode.name, shown(mode).1);
     }
+    (over.len() == 1, measured)
+}
+
+fn l2(results: &LongPeriodResults) -> Claim {
+    let accept = &results.accept;
+    let (holds, measured) = loads(
+        results,
+        |m| m.design.exceeds(accept),
+        |m| {
+            let load = m.design.load_kpadeg();
+            (load, format!("{load:.1}"))
+        },
+    );
     let reversed: Vec<&ModeResult> = results
         .modes
         .iter()
-        .filter(|m| m.reversed.as_ref().is_some_and(|f| exceeds(results, f)))
+        .filter(|m| m.reversed.as_ref().is_some_and(|f| f.exceeds(accept)))
         .collect();
     let in_part = reversed.len() != 1 && results.modes.iter().any(|m| m.reversed.is_some());
     Claim {
         id: "L2".into(),
-        evidence: evidence::Q_ALPHA,
+        evidence: Q_ALPHA,
         sentence: "the load profiles single out a failure mode which generates an acceptable trajectory but violates the design structural load limit".into(),
         criterion: format!(
             "exactly one mode exceeds {:.0} kPa deg of Qα in the design wind with nominal misalignments",
-            results.accept.q_alpha_padeg / 1e3
+            accept.q_alpha_padeg / 1e3
         ),
         measured,
-        verdict: judged(results, over().count() == 1),
+        verdict: judged(results, holds),
         remark: in_part.then(|| {
             format!(
                 "in part: with the wind reversed {} modes exceed the limit ({})",
@@ -115,62 +120,53 @@ fn l2(results: &LongPeriodResults) -> Claim {
 }
 
 fn l2b(results: &LongPeriodResults) -> Claim {
-    let flights = |m: &ModeResult| -> Vec<Flown> {
-        std::iter::once(&m.design).chain(&m.envelope).cloned().collect()
-    };
-    let over = || results.modes.iter().filter(|m| flights(m).iter().any(|f| exceeds(results, f)));
-    let worst = |m: &ModeResult| flights(m).iter().map(load_kpadeg).fold(0.0, f64::max);
-    let next = results
-        .modes
-        .iter()
-        .filter(|m| flights(m).iter().all(|f| !exceeds(results, f)))
-        .max_by(|a, b| worst(a).total_cmp(&worst(b)));
-    let mut points: Vec<f64> = results
-        .modes
-        .first()
-        .map(|m| flights(m).iter().map(|f| f.pitch_misalignment).collect())
-        .unwrap_or_default();
+    let accept = &results.accept;
+    let (holds, measured) = loads(
+        results,
+        |m| m.in_design_wind().any(|f| f.exceeds(accept)),
+        |m| {
+            let worst = m.in_design_wind().map(Flown::load_kpadeg).fold(0.0, f64::max);
+            (worst, format!("up to {worst:.1}"))
+        },
+    );
+    let first = results.modes.first();
+    let mut points: Vec<f64> =
+        first.into_iter().flat_map(|m| m.in_design_wind().map(|f| f.misalignment[0])).collect();
     points.sort_by(f64::total_cmp);
-    let points: Vec<String> = points.iter().map(|p| format!("{p:+}")).collect();
-    let mut measured = format!("above the limit: {}", named(over()));
-    for mode in over().take(1).chain(next) {
-        measured += &format!("; {} up to {:.1} kPa deg", mode.name, worst(mode));
-    }
     let flown = results.modes.iter().any(|m| !m.envelope.is_empty());
     Claim {
         id: "L2b".into(),
-        evidence: evidence::LOADS,
+        evidence: LOADS,
         sentence: "the same over the envelope of misalignments".into(),
         criterion: format!(
             "exactly one mode exceeds {:.0} kPa deg in the design wind at pitch misalignments of {} × 3σ",
-            results.accept.q_alpha_padeg / 1e3,
-            points.join(", ")
+            accept.q_alpha_padeg / 1e3,
+            signed(&points)
         ),
         measured,
-        verdict: if flown { judged(results, over().count() == 1) } else { Verdict::NotJudged },
+        verdict: if flown { judged(results, holds) } else { Verdict::NotJudged },
         remark: flown.then(|| pointwise(results)),
     }
 }
 
+fn signed(values: &[f64]) -> String {
+    values.iter().map(|v| format!("{v:+}")).collect::<Vec<_>>().join(", ")
+}
+
 /// At which misalignments one mode alone exceeds the limit.
 fn pointwise(results: &LongPeriodResults) -> String {
-    let mut found: Vec<f64> = Vec::new();
-    if let Some(first) = results.modes.first() {
-        for (i, flown) in first.envelope.iter().enumerate() {
-            let over = results
-                .modes
-                .iter()
-                .filter(|m| m.envelope.get(i).is_none_or(|f| exceeds(results, f)));
-            if over.count() == 1 {
-                found.push(flown.pitch_misalignment);
-            }
-        }
-    }
-    let found: Vec<String> = found.iter().map(|m| format!("{m:+}")).collect();
+    let over = |i: usize| {
+        let exceeds =
+            |m: &&ModeResult| m.envelope.get(i).is_none_or(|f| f.exceeds(&results.accept));
+        results.modes.iter().filter(exceeds).count()
+    };
+    let envelope = results.modes.first().map_or(&[][..], |m| &m.envelope);
+    let alone = envelope.iter().enumerate().filter(|(i, _)| over(*i) == 1);
+    let found: Vec<f64> = alone.map(|(_, flown)| flown.misalignment[0]).collect();
     if found.is_empty() {
         "pointwise at none of them".to_owned()
     } else {
-        format!("pointwise beside the design case at {} × 3σ", found.join(", "))
+        format!("pointwise beside the design case at {} × 3σ", signed(&found))
     }
 }
 
@@ -181,16 +177,17 @@ fn judged(results: &LongPeriodResults, holds: bool) -> Verdict {
 
 fn l3(results: &LongPeriodResults) -> Claim {
     let reduced: Vec<&ModeResult> = results.modes.iter().filter(|m| m.reduced_schedule).collect();
-    let holds = reduced.iter().all(|m| !exceeds(results, &m.design) && severity(results, m) <= 1.0);
+    let holds =
+        reduced.iter().all(|m| !m.design.exceeds(&results.accept) && severity(results, m) <= 1.0);
     let measured: Vec<String> = reduced
         .iter()
         .map(|m| {
-            format!("{}: {:.1} kPa deg; {}", m.name, load_kpadeg(&m.design), departure_words(m))
+            format!("{}: {:.1} kPa deg; {}", m.name, m.design.load_kpadeg(), departure_words(m))
         })
         .collect();
     Claim {
         id: "L3".into(),
-        evidence: evidence::FIGURE_8,
+        evidence: FIGURE_8,
         sentence: "a schedule with reduced number of switchings retains the trajectory profile within acceptable limits".into(),
         criterion: format!(
             "the reduced schedule stays below {:.0} kPa deg and within L1",

@@ -1,16 +1,13 @@
-//! What a long-period study comes to: burn-out, loads and fuel of every flight.
+//! What a long-period study comes to: a row a mode, with all its flights.
 
-use super::history::History;
-use serde::Serialize;
 use vehicle::{
     ScheduleData, Vehicle,
     flight_mode::{FlightScript, Schedule},
-    flight_summary::FlightSummary,
+    flight_summary::{FlightSample, FlightSummary},
 };
 
 /// Wind of a flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlightWind {
     /// None.
     Calm,
@@ -21,8 +18,7 @@ pub enum FlightWind {
 }
 
 impl FlightWind {
-    /// In words.
-    pub fn words(self) -> &'static str {
+    pub(super) fn words(self) -> &'static str {
         match self {
             FlightWind::Calm => "calm",
             FlightWind::DesignCase => "design wind",
@@ -32,74 +28,31 @@ impl FlightWind {
 }
 
 /// One flight: what was flown, and what it came to.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Flown {
     /// Wind.
     pub wind: FlightWind,
-    /// Thrust misalignment in pitch, fraction of 3σ.
-    pub pitch_misalignment: f64,
-    /// Thrust misalignment in yaw, fraction of 3σ.
-    pub yaw_misalignment: f64,
-    /// Figures at burn-out and peaks; absent where the flight was lost.
-    pub figures: Option<FlightFigures>,
-    /// Why it was lost.
-    pub lost: Option<String>,
+    /// Thrust misalignments in pitch and yaw, fractions of 3σ.
+    pub misalignment: [f64; 2],
+    /// The flight in short, or why it was lost.
+    pub ended: Result<FlightSummary, String>,
 }
 
-/// What a flight to burn-out comes to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FlightFigures {
-    /// Burn-out velocity, m/s.
-    pub speed_mps: f64,
-    /// Burn-out flight-path angle, deg.
-    pub path_angle_deg: f64,
-    /// Burn-out altitude, m.
-    pub altitude_m: f64,
-    /// Burn-out range over the ground, m.
-    pub range_m: f64,
-    /// Largest |Qα| from the take-over of the fin tips on, Pa deg.
-    pub max_q_alpha_padeg: f64,
-    /// Its flight time, s.
-    pub max_q_alpha_time_s: f64,
-    /// Its Mach number.
-    pub max_q_alpha_mach: f64,
-    /// Largest dynamic pressure, Pa.
-    pub max_q_pa: f64,
-    /// Largest |φ|, deg.
-    pub max_roll_deg: f64,
-    /// ∫|F_T| dt in pitch, N s.
-    pub tvc_pitch_impulse_ns: f64,
-    /// ∫|F_T| dt in yaw, N s.
-    pub tvc_yaw_impulse_ns: f64,
-    /// Side-force injectant used, kg.
-    pub injectant_kg: f64,
-    /// A table was left at one of its ends, whose value was held.
-    pub table_edge: bool,
-}
+impl Flown {
+    /// Largest |Qα| from the take-over of the fin tips on, kPa deg; infinite where it was lost.
+    pub fn load_kpadeg(&self) -> f64 {
+        self.ended.as_ref().map_or(f64::INFINITY, |f| f.max_q_alpha.value / 1e3)
+    }
 
-impl FlightFigures {
-    /// Of a summary.
-    pub fn new(s: &FlightSummary) -> Self {
-        Self {
-            speed_mps: s.end.speed_mps,
-            path_angle_deg: s.end.path_angle_rad.to_degrees(),
-            altitude_m: s.end.altitude_m,
-            range_m: s.range_m,
-            max_q_alpha_padeg: s.max_q_alpha.value,
-            max_q_alpha_time_s: s.max_q_alpha.time_s,
-            max_q_alpha_mach: s.max_q_alpha.mach,
-            max_q_pa: s.max_dynamic_pressure.value,
-            max_roll_deg: s.max_roll_rad.to_degrees(),
-            tvc_pitch_impulse_ns: s.tvc_pitch_impulse_ns,
-            tvc_yaw_impulse_ns: s.tvc_yaw_impulse_ns,
-            injectant_kg: s.injectant_kg,
-            table_edge: !s.edges.is_empty(),
-        }
+    /// Whether it breaks the load limit; a lost flight does, and a peak that is no number.
+    pub fn exceeds(&self, accept: &Acceptance) -> bool {
+        let peak = self.ended.as_ref().map_or(f64::INFINITY, |f| f.max_q_alpha.value);
+        peak.is_nan() || peak > accept.q_alpha_padeg
     }
 }
 
 /// Departure of a flight's burn-out from the undisturbed normal flight's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Departure {
     /// Of the velocity, fraction.
     pub speed_fraction: f64,
@@ -113,11 +66,12 @@ pub struct Departure {
 
 impl Departure {
     /// Of `flight` from `nominal`.
-    pub fn new(flight: &FlightFigures, nominal: &FlightFigures) -> Self {
+    pub fn new(flight: &FlightSummary, nominal: &FlightSummary) -> Self {
+        let path_angle_deg = |f: &FlightSummary| f.end.path_angle_rad.to_degrees();
         Self {
-            speed_fraction: flight.speed_mps / nominal.speed_mps - 1.0,
-            path_angle_deg: flight.path_angle_deg - nominal.path_angle_deg,
-            altitude_fraction: flight.altitude_m / nominal.altitude_m - 1.0,
+            speed_fraction: flight.end.speed_mps / nominal.end.speed_mps - 1.0,
+            path_angle_deg: path_angle_deg(flight) - path_angle_deg(nominal),
+            altitude_fraction: flight.end.altitude_m / nominal.end.altitude_m - 1.0,
             range_km: (flight.range_m - nominal.range_m) / 1e3,
         }
     }
@@ -130,19 +84,15 @@ impl Departure {
             self.altitude_fraction / accept.altitude_fraction,
             self.range_km / accept.range_km,
         ]
-        .iter()
         // A quotient that is no number must not pass as small.
-        .fold(
-            0.0,
-            |worst, part| {
-                if part.is_nan() { f64::INFINITY } else { part.abs().max(worst) }
-            },
-        )
+        .map(|part| if part.is_nan() { f64::INFINITY } else { part.abs() })
+        .into_iter()
+        .fold(0.0, f64::max)
     }
 }
 
 /// What is accepted at burn-out, and the load limit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Acceptance {
     /// Velocity, fraction.
     pub speed_fraction: f64,
@@ -171,7 +121,7 @@ impl Acceptance {
 }
 
 /// One mode's flights.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ModeResult {
     /// Name.
     pub name: String,
@@ -183,8 +133,8 @@ pub struct ModeResult {
     pub design: Flown,
     /// Its departure from the undisturbed normal flight.
     pub departure: Option<Departure>,
-    /// Its time histories.
-    pub history: History,
+    /// Its samples, one a trajectory step.
+    pub history: Vec<FlightSample>,
     /// The same wind with other misalignments in pitch.
     pub envelope: Vec<Flown>,
     /// The design case with the wind reversed.
@@ -193,18 +143,18 @@ pub struct ModeResult {
 
 impl ModeResult {
     /// Before anything was flown but the design case.
-    pub fn new(
+    pub(super) fn new(
         script: &FlightScript,
         design: Flown,
-        departure: Option<Departure>,
-        history: History,
+        history: Vec<FlightSample>,
+        nominal: &FlightSummary,
     ) -> Self {
         Self {
             name: script.name.clone(),
             text: script.text.clone(),
             reduced_schedule: script.schedule == Schedule::Reduced,
+            departure: design.ended.as_ref().ok().map(|flight| Departure::new(flight, nominal)),
             design,
-            departure,
             history,
             envelope: Vec::new(),
             reversed: None,
@@ -213,34 +163,24 @@ impl ModeResult {
 
     /// Every flight of the mode.
     pub fn flights(&self) -> impl Iterator<Item = &Flown> {
-        std::iter::once(&self.design).chain(&self.envelope).chain(&self.reversed)
+        self.in_design_wind().chain(&self.reversed)
+    }
+
+    /// The design case and its envelope.
+    pub(super) fn in_design_wind(&self) -> impl Iterator<Item = &Flown> {
+        std::iter::once(&self.design).chain(&self.envelope)
     }
 }
 
-/// The flight that used most side-force fluid.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FuelCase {
-    /// Mode.
-    pub mode: String,
-    /// Wind.
-    pub wind: FlightWind,
-    /// Misalignment in pitch, fraction of 3σ.
-    pub pitch_misalignment: f64,
-    /// Fluid used, kg.
-    pub injectant_kg: f64,
-    /// Fluid carried, kg.
-    pub carried_kg: f64,
-}
-
 /// A whole study.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LongPeriodResults {
     /// What is accepted.
     pub accept: Acceptance,
     /// The undisturbed normal flight.
-    pub nominal: FlightFigures,
-    /// Its time histories.
-    pub nominal_history: History,
+    pub nominal: FlightSummary,
+    /// Its samples.
+    pub nominal_history: Vec<FlightSample>,
     /// The modes in the failure file's order.
     pub modes: Vec<ModeResult>,
     /// The designed gain schedule (figure 7).
@@ -252,21 +192,11 @@ pub struct LongPeriodResults {
 }
 
 impl LongPeriodResults {
-    /// The flight with the greatest use of side-force fluid (objective v) among
-    /// all that were flown; yaw misalignment is nominal in all of them.
-    pub fn worst_fuel(&self) -> Option<FuelCase> {
-        self.modes
-            .iter()
-            .flat_map(|mode| mode.flights().map(move |flown| (mode, flown)))
-            .filter_map(|(mode, flown)| {
-                flown.figures.map(|figures| FuelCase {
-                    mode: mode.name.clone(),
-                    wind: flown.wind,
-                    pitch_misalignment: flown.pitch_misalignment,
-                    injectant_kg: figures.injectant_kg,
-                    carried_kg: self.carried_kg,
-                })
-            })
-            .max_by(|a, b| a.injectant_kg.total_cmp(&b.injectant_kg))
+    /// The flight with the greatest use of side-force fluid (objective v), in kg, among all that
+    /// were flown, with its mode; yaw misalignment is nominal in all of them.
+    pub fn worst_fuel(&self) -> Option<(&ModeResult, &Flown, f64)> {
+        let all = self.modes.iter().flat_map(|mode| mode.flights().map(move |f| (mode, f)));
+        let all = all.filter_map(|(mode, f)| Some((mode, f, f.ended.as_ref().ok()?.injectant_kg)));
+        all.max_by(|a, b| a.2.total_cmp(&b.2))
     }
 }

@@ -5,24 +5,24 @@
 //! that their peaks compare. A flight that diverges is recorded as lost and the
 //! next one starts afresh; a fault of the link or of a file ends the study.
 
-use super::history::History;
-use super::results::{
-    Acceptance, Departure, FlightFigures, FlightWind, Flown, LongPeriodResults, ModeResult,
-};
+use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult};
 use crate::{
-    console::{Console, ConsoleFault},
-    executive::Rate,
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, Timing, channels::Sampled,
         stage_patch,
     },
+    linkage::{
+        console::{Console, ConsoleFault},
+        executive::Rate,
+    },
+    study::fault::StudyFault,
 };
 use interface::{Tick, control::PatchBundle, frame::Samples, profile::Profile};
 use vehicle::{
     Vehicle,
     flight_mode::FlightScript,
+    flight_summary::FlightSample,
     reference::FlightCase,
-    table::TableError,
     wind::{SyntheticWind, Wind},
 };
 
@@ -78,33 +78,7 @@ impl LongPeriodPlan {
     }
 }
 
-/// Why a study could not be completed.
-#[derive(Debug, thiserror::Error)]
-pub enum StudyFault {
-    /// A flight could not be flown at all.
-    #[error(transparent)]
-    Flight(#[from] FlightFault),
-    /// The wind of the vehicle's data.
-    #[error("the wind profile cannot be made: {0}")]
-    Wind(#[from] TableError),
-    /// The flight that everything is measured against was lost.
-    #[error("the undisturbed normal flight was lost: {0}; nothing can be compared with it")]
-    NominalLost(String),
-    /// The vehicle's burn time.
-    #[error("the vehicle's burn time of {0} s is out of range")]
-    BurnTime(f64),
-}
-
-impl From<ConsoleFault> for StudyFault {
-    fn from(fault: ConsoleFault) -> StudyFault {
-        StudyFault::Flight(fault.into())
-    }
-}
-
 /// Flies the whole plan; `progress` is told the number of flights done.
-///
-/// # Errors
-/// [`StudyFault`]: the machine, a file, or the nominal flight.
 pub fn run(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
@@ -124,14 +98,11 @@ pub fn run(
     let case = &vehicle.data().long_period_case;
     let design = [case.misalign_pitch, case.misalign_yaw];
     let (undisturbed, nominal_history) = fly(&FlightScript::sound(), FlightWind::Calm, [0.0, 0.0])?;
-    let nominal = undisturbed.figures.ok_or_else(|| {
-        StudyFault::NominalLost(undisturbed.lost.unwrap_or_else(|| "no reason given".into()))
-    })?;
+    let nominal = undisturbed.ended.map_err(StudyFault::NominalLost)?;
     let mut modes = Vec::with_capacity(plan.modes.len());
     for script in &plan.modes {
         let (flown, history) = fly(script, FlightWind::DesignCase, design)?;
-        let departure = flown.figures.map(|f| Departure::new(&f, &nominal));
-        let mut mode = ModeResult::new(script, flown, departure, history);
+        let mut mode = ModeResult::new(script, flown, history, &nominal);
         for &pitch in &plan.envelope {
             let (flown, _) = fly(script, FlightWind::DesignCase, [pitch, design[1]])?;
             mode.envelope.push(flown);
@@ -165,9 +136,6 @@ pub struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     /// Of a loaded stage.
-    ///
-    /// # Errors
-    /// [`StudyFault`]: the wind or the burn time of the vehicle's data.
     pub fn new(
         vehicle: &Vehicle,
         plan: &'a LongPeriodPlan,
@@ -202,8 +170,8 @@ impl<'a> Bench<'a> {
         vehicle: &Vehicle,
         script: &FlightScript,
         wind: FlightWind,
-        [pitch_misalignment, yaw_misalignment]: [f64; 2],
-    ) -> Result<(Flown, History), StudyFault> {
+        misalignment: [f64; 2],
+    ) -> Result<(Flown, Vec<FlightSample>), StudyFault> {
         let plan = FlightPlan {
             case: FlightCase {
                 script: script.clone(),
@@ -213,8 +181,8 @@ impl<'a> Bench<'a> {
                     FlightWind::DesignCase => self.design_wind.clone(),
                     FlightWind::Reversed => self.reversed_wind.clone(),
                 },
-                pitch_misalignment,
-                yaw_misalignment,
+                pitch_misalignment: misalignment[0],
+                yaw_misalignment: misalignment[1],
             },
             step: self.plan.step,
             slow: self.plan.slow,
@@ -224,7 +192,7 @@ impl<'a> Bench<'a> {
             alpha: self.plan.alpha,
             profile: self.plan.profile.clone(),
         };
-        let mut history = History::default();
+        let mut history = Vec::new();
         let slow = self.plan.slow;
         let flown = self.stage.fly(
             console,
@@ -233,19 +201,19 @@ impl<'a> Bench<'a> {
             Timing::LockStep,
             &mut |frame: &Samples, result: &FrameResult| {
                 if slow.due(frame.frame) {
-                    history.push(&result.sample);
+                    history.push(result.sample);
                 }
             },
         );
-        let (figures, lost) = match flown {
-            Ok(summary) => (Some(FlightFigures::new(&summary)), None),
+        let ended = match flown {
+            Ok(summary) => Ok(summary),
             Err(
                 fault @ (FlightFault::Trajectory(_)
                 | FlightFault::Console(ConsoleFault::RunFault { .. })),
-            ) => (None, Some(fault.to_string())),
+            ) => Err(fault.to_string()),
             Err(fault) => return Err(fault.into()),
         };
-        let flown = Flown { wind, pitch_misalignment, yaw_misalignment, figures, lost };
+        let flown = Flown { wind, misalignment, ended };
         Ok((flown, history))
     }
 }

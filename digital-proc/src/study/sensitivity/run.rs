@@ -2,103 +2,82 @@
 
 use super::dispersion_file::{Dispersion, Dispersions, Side};
 use crate::{
-    console::Console,
+    linkage::console::Console,
     study::{
-        gain_design::{
-            bench::PitchBench,
-            criteria::{LoopQuality, least_bending_damping},
-            design::{DesignFault, measure},
-        },
+        fault::StudyFault,
+        gain_design::criteria::{LoopQuality, least_bending_damping, measure},
         short_period::{
             coefficients::{Disturbance, Plane},
             linear::{ChannelGains, plane_roots},
+            machine::Bench,
             point::FrozenPoint,
         },
     },
 };
-use serde::Serialize;
 use vehicle::Vehicle;
 
 /// Corners of each point that are also run on the machine.
-pub const CORNERS_RUN: usize = 2;
-
-/// A loop measured on the machine, with its linear roots beside.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Answer {
-    /// Measured.
-    pub measured: LoopQuality,
-    /// Damping ratio of the attitude oscillation, both channels linear.
-    pub attitude_damping: Option<f64>,
-    /// Least damping ratio of the bending mode over the channels' states.
-    pub bending_damping: f64,
-}
+const CORNERS_RUN: usize = 2;
 
 /// A result that dispersions are ranked by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Measure {
-    /// Overshoot of the undisturbed step, % of it.
-    Overshoot,
-    /// Residual oscillation under misalignment and gust, % of the step.
-    Residual,
-    /// Bending envelope left at 5–6.5 s, % of that after the step.
-    BendingLeft,
-    /// Damping ratio of the attitude oscillation (linearised).
-    AttitudeDamping,
-    /// Least damping ratio of the bending mode (linearised).
-    BendingDamping,
+#[derive(Clone, Copy, Debug)]
+pub struct Measure {
+    pub(super) label: &'static str,
+    pub(super) unit: &'static str,
+    /// Its value; no number where a run diverged.
+    pub of: fn(&LoopQuality) -> f64,
 }
 
 impl Measure {
+    /// Of the undisturbed step, % of it.
+    pub const OVERSHOOT: Measure =
+        Measure { label: "Overshoot", unit: "%", of: |q| percent(q.overshoot) };
+    /// Under misalignment and gust, % of the step.
+    pub const RESIDUAL: Measure =
+        Measure { label: "Residual oscillation", unit: "%", of: |q| percent(q.residual) };
+    /// At 5–6.5 s, % of that after the step.
+    pub const BENDING_LEFT: Measure =
+        Measure { label: "Bending envelope left", unit: "%", of: |q| percent(q.bending_decay) };
+    /// Of the loop with both channels linear.
+    pub const ATTITUDE_DAMPING: Measure = Measure {
+        label: "Attitude damping ratio",
+        unit: "",
+        of: |q| q.attitude_damping.unwrap_or(f64::NAN),
+    };
+    /// The least over the channels' states.
+    pub const BENDING_DAMPING: Measure =
+        Measure { label: "Bending damping ratio", unit: "", of: |q| q.bending_damping };
+
     /// All, in the order of the tables.
     pub const ALL: [Measure; 5] = [
-        Measure::Overshoot,
-        Measure::Residual,
-        Measure::BendingLeft,
-        Measure::AttitudeDamping,
-        Measure::BendingDamping,
+        Measure::OVERSHOOT,
+        Measure::RESIDUAL,
+        Measure::BENDING_LEFT,
+        Measure::ATTITUDE_DAMPING,
+        Measure::BENDING_DAMPING,
     ];
+}
 
-    /// Name and unit.
-    pub fn label(self) -> (&'static str, &'static str) {
-        match self {
-            Measure::Overshoot => ("Overshoot", "%"),
-            Measure::Residual => ("Residual oscillation", "%"),
-            Measure::BendingLeft => ("Bending envelope left", "%"),
-            Measure::AttitudeDamping => ("Attitude damping ratio", ""),
-            Measure::BendingDamping => ("Bending damping ratio", ""),
-        }
-    }
-
-    /// Its value; no number where a run diverged.
-    pub fn of(self, answer: &Answer) -> f64 {
-        let percent = |v: Option<f64>| v.map_or(f64::NAN, |v| 100.0 * v);
-        match self {
-            Measure::Overshoot => percent(answer.measured.overshoot),
-            Measure::Residual => percent(answer.measured.residual),
-            Measure::BendingLeft => percent(answer.measured.bending_decay),
-            Measure::AttitudeDamping => answer.attitude_damping.unwrap_or(f64::NAN),
-            Measure::BendingDamping => answer.bending_damping,
-        }
-    }
+fn percent(value: Option<f64>) -> f64 {
+    value.map_or(f64::NAN, |v| 100.0 * v)
 }
 
 /// One dispersion at one point.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// Title and settings.
     pub dispersion: String,
     /// At the lower setting.
-    pub low: Answer,
+    pub low: LoopQuality,
     /// At the upper setting.
-    pub high: Answer,
+    pub high: LoopQuality,
 }
 
 impl Effect {
     /// Greatest minus least of a measure over low, nominal and high; infinite
     /// where a run diverged.
-    pub fn span(&self, measure: Measure, nominal: &Answer) -> f64 {
-        let values = [&self.low, nominal, &self.high].map(|a| measure.of(a));
+    pub fn span(&self, measure: Measure, nominal: &LoopQuality) -> f64 {
+        let values = [&self.low, nominal, &self.high].map(measure.of);
         if values.iter().any(|v| v.is_nan()) {
             return f64::INFINITY;
         }
@@ -109,25 +88,25 @@ impl Effect {
 }
 
 /// A corner that was run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Corner {
     /// The setting of each dispersion in order: true is the upper.
     pub high: Vec<bool>,
     /// Why it was chosen.
     pub worst_in: &'static str,
     /// What it came to.
-    pub answer: Answer,
+    pub quality: LoopQuality,
 }
 
 /// All dispersions at one trajectory point.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PointSensitivity {
     /// The point.
     pub point: String,
     /// Its flight time, s.
     pub time_s: f64,
     /// Without dispersion.
-    pub nominal: Answer,
+    pub nominal: LoopQuality,
     /// One at a time, in the file's order.
     pub effects: Vec<Effect>,
     /// Corners looked at by eigenvalues.
@@ -147,36 +126,38 @@ impl PointSensitivity {
         });
         all
     }
+
+    /// The greatest span of one dispersion.
+    pub(super) fn widest_span(&self, measure: Measure) -> f64 {
+        self.effects.iter().map(|e| e.span(measure, &self.nominal)).fold(0.0, f64::max)
+    }
 }
 
 /// Runs all dispersions at all points; `progress` is told the runs done.
-///
-/// # Errors
-/// [`DesignFault`]: the machine or the nominal flight.
 pub fn run(
     console: &mut Console<'_>,
-    bench: &PitchBench,
+    bench: &Bench,
     vehicle: &Vehicle,
     dispersions: &Dispersions,
     mut progress: impl FnMut(usize),
-) -> Result<Vec<PointSensitivity>, DesignFault> {
+) -> Result<Vec<PointSensitivity>, StudyFault> {
     let slices = dispersions.locate(vehicle)?;
     let mut done = 0;
     let mut out = Vec::with_capacity(slices.len());
     for slice in slices {
         let nominal = FrozenPoint::new(vehicle, &slice, &slice.settings.gains);
-        let mut answer = |point: &FrozenPoint| -> Result<Answer, DesignFault> {
+        let mut quality = |point: &FrozenPoint| -> Result<LoopQuality, StudyFault> {
             let measured = measure(console, bench, point)?;
             done += 1;
             progress(done);
-            Ok(with_roots(measured, point))
+            Ok(measured)
         };
         let mut effects = Vec::with_capacity(dispersions.all.len());
         for dispersion in &dispersions.all {
             let mut at = |side| {
                 let mut point = nominal;
                 dispersion.apply(vehicle, &mut point, side);
-                answer(&point)
+                quality(&point)
             };
             effects.push(Effect {
                 dispersion: dispersion.label(),
@@ -191,13 +172,13 @@ pub fn run(
             worst_corners.push(Corner {
                 high: (0..dispersions.all.len()).map(|i| bits >> i & 1 == 1).collect(),
                 worst_in,
-                answer: answer(&point)?,
+                quality: quality(&point)?,
             });
         }
         out.push(PointSensitivity {
             point: slice.name.clone(),
             time_s: slice.time_s,
-            nominal: answer(&nominal)?,
+            nominal: quality(&nominal)?,
             effects,
             corners: corners.count,
             unstable_corners: corners.unstable,
@@ -210,11 +191,6 @@ pub fn run(
 /// Runs that [`run`] makes, counted in loops measured.
 pub fn loops(dispersions: &Dispersions) -> usize {
     dispersions.points.len() * (1 + 2 * dispersions.all.len() + CORNERS_RUN)
-}
-
-fn with_roots(measured: LoopQuality, point: &FrozenPoint) -> Answer {
-    let (attitude, bending) = dampings(point);
-    Answer { measured, attitude_damping: attitude, bending_damping: bending }
 }
 
 fn dampings(point: &FrozenPoint) -> (Option<f64>, f64) {

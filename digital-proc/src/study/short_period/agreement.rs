@@ -8,33 +8,31 @@
 //! of its bending coordinate beside the eigenvalue. Only undisturbed pitch runs are
 //! compared, the linear response to a step from rest being exact there.
 
-use super::coefficients::PitchSettings;
+use super::coefficients::Settings;
+use super::control_loop::{Response, Test};
 use super::linear::{ChannelGains, Root, plane_roots, step_response};
 use super::metrics::{Oscillation, Window, oscillation};
-use super::plan::Plan;
-use super::response::PitchResponse;
+use super::plan::{Case, Plan};
 
 /// Largest accepted difference from the matrix exponential, as a fraction of the step
 /// in attitude and of its greatest value in bending. The patch integrates to 1e-7 of
 /// each state; a thousandfold of that leaves room for the gain from state to state.
-pub const STEP_WITHIN: f64 = 1e-4;
+const STEP_WITHIN: f64 = 1e-4;
 /// Largest accepted relative error of a measured bending frequency: half a sample in a
 /// window of some twenty cycles of twelve samples.
-pub const FREQUENCY_WITHIN: f64 = 5e-3;
+const FREQUENCY_WITHIN: f64 = 5e-3;
 /// Largest accepted relative error of a measured damping. A peak found by a parabola
 /// through three of twelve samples a cycle is good to about 1 %, and the envelope falls
 /// to a tenth in the window; ten peaks leave a few per cent, doubled.
-pub const DAMPING_WITHIN: f64 = 0.10;
+const DAMPING_WITHIN: f64 = 0.10;
 /// Window in which the decay of a run that is not linear throughout is measured, s.
-pub const DECAY: Window = Window { from_s: 4.0, to_s: 9.0 };
+const DECAY: Window = Window { from_s: 4.0, to_s: 9.0 };
 /// Part of the rate limit above which a tip is taken to have met it between samples.
 const RATE_MET: f64 = 0.8;
 
 /// One run held against linear theory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
-    /// Number of the pitch run in the plan.
-    pub run: usize,
     /// Range in which its channels stay.
     pub gains: ChannelGains,
     /// What was compared.
@@ -76,68 +74,49 @@ impl Agreement {
     }
 }
 
-/// Compares every undisturbed pitch run that is linear, throughout or late.
-pub fn compare(plan: &Plan, responses: &[PitchResponse]) -> Vec<Agreement> {
-    let whole = Window { from_s: 0.0, to_s: plan.duration_s };
-    plan.pitch
-        .iter()
-        .zip(responses)
-        .enumerate()
-        .filter(|(_, (case, response))| {
-            !case.disturbed && response.len() == plan.samples() + 1 && response.is_finite()
-        })
-        .filter_map(|(run, (case, response))| {
-            let settings = &case.settings;
-            let late = || {
-                let gains = linear_range(settings, response, DECAY)?;
-                let root = plane_roots(&settings.plane, gains).bending?;
-                let period_s = std::f64::consts::TAU / root.frequency_radps();
-                let measured = oscillation(response.eta_m(), response.sample_s, period_s, DECAY)?;
-                Some((gains, Compared::Decay { measured, root }))
-            };
-            let (gains, compared) = linear_range(settings, response, whole)
-                .map(|gains| (gains, against_exponential(settings, response, gains)))
-                .or_else(late)?;
-            Some(Agreement { run, gains, compared })
-        })
-        .collect()
+impl Agreement {
+    /// Compares a run, if it is an undisturbed one of pitch that is linear, throughout or late.
+    pub(super) fn of(plan: &Plan, case: &Case, response: &Response) -> Option<Agreement> {
+        let whole = response.len() == plan.samples() + 1 && response.is_finite();
+        if case.test != Test::StepOnly || !whole {
+            return None;
+        }
+        let settings = &case.settings;
+        let always = Window { from_s: 0.0, to_s: plan.duration_s };
+        if let Some(gains) = linear_range(settings, response, always) {
+            let compared = against_exponential(settings, response, gains);
+            return Some(Agreement { gains, compared });
+        }
+        let gains = linear_range(settings, response, DECAY)?;
+        let root = plane_roots(&settings.plane, gains).bending?;
+        let period_s = std::f64::consts::TAU / root.frequency_radps();
+        let measured = oscillation(response.eta_m(), response.sample_s, period_s, DECAY)?;
+        Some(Agreement { gains, compared: Compared::Decay { measured, root } })
+    }
 }
 
-fn against_exponential(
-    settings: &PitchSettings,
-    response: &PitchResponse,
-    gains: ChannelGains,
-) -> Compared {
+fn against_exponential(settings: &Settings, response: &Response, gains: ChannelGains) -> Compared {
     let step = settings.command_rad;
-    let exact = step_response(
-        &settings.plane,
-        gains,
-        step,
-        response.sample_s,
-        response.len().saturating_sub(1),
-    );
+    let samples = response.len().saturating_sub(1);
+    let exact = step_response(&settings.plane, gains, step, response.sample_s, samples);
     let greatest = exact.iter().fold(0.0_f64, |g, row| g.max(row[1].abs()));
     let difference = |found: &[f64], column: usize, scale: f64| {
         let pairs = found.iter().zip(&exact);
         pairs.fold(0.0_f64, |d, (x, row)| d.max((x - row[column]).abs())) / scale.abs()
     };
     Compared::Response {
-        attitude: difference(response.theta_rad(), 0, step),
+        attitude: difference(response.attitude_rad(), 0, step),
         bending: difference(response.eta_m(), 1, greatest),
     }
 }
 
 /// Gains of the channels if both keep to one linear range in the window.
-pub fn linear_range(
-    settings: &PitchSettings,
-    response: &PitchResponse,
-    window: Window,
-) -> Option<ChannelGains> {
+fn linear_range(settings: &Settings, response: &Response, window: Window) -> Option<ChannelGains> {
     let plane = &settings.plane;
     let range = window.indices(response.sample_s, response.len());
     let greatest =
         |column: &[f64]| column[range.clone()].iter().fold(0.0_f64, |g, v| g.max(v.abs()));
-    let tips = response.tip_rad();
+    let tips = response.of("tip_deflection");
     let rate =
         tips[range.clone()].windows(2).fold(0.0_f64, |g, pair| g.max((pair[1] - pair[0]).abs()))
             / response.sample_s;
@@ -148,7 +127,7 @@ pub fn linear_range(
     } else {
         return None;
     };
-    let error = greatest(response.tvc_error_rad());
+    let error = greatest(response.of("tvc_channel_error"));
     let tvc = if error <= plane.dead_zone && plane.dead_zone > 0.0 {
         0.0
     } else if plane.dead_zone == 0.0 && plane.tvc_gain * error < plane.tvc_limit {
@@ -165,39 +144,28 @@ mod tests {
     use crate::study::short_period::{claims::NORMAL, reference, study_file::Study};
     use vehicle::Vehicle;
 
-    fn normal() -> Plan {
+    /// Undisturbed runs of the normal mode at their points, as the reference answers them when
+    /// it is spoilt.
+    fn compared(spoil: impl Fn(&mut Settings)) -> Vec<Agreement> {
         let mut study = Study::shipped().unwrap();
         study.conditions.retain(|c| c.name == NORMAL);
-        let mut plan = Plan::new(&study, &Vehicle::shipped().unwrap()).unwrap();
-        plan.yaw_roll.clear();
-        plan
-    }
-
-    #[test]
-    fn the_normal_mode_agrees_with_its_eigenvalues_where_it_is_linear() {
-        let plan = normal();
-        let compared = compare(&plan, &reference::answer(&plan, 1e-3).pitch);
-        let of = |whole: bool| {
-            compared
-                .iter()
-                .filter(move |a| matches!(a.compared, Compared::Response { .. }) == whole)
+        let plan = Plan::new(&study, &Vehicle::shipped().unwrap()).unwrap();
+        let of = |case: &Case| {
+            let mut settings = case.settings;
+            spoil(&mut settings);
+            Agreement::of(&plan, case, &reference::run(&settings, &reference::grid(&plan, 1e-3)))
         };
-        // Before the tips are switched in nothing but the force limit is not linear.
-        assert!(of(true).count() > 0 && of(false).count() > 0, "{compared:?}");
-        for agreement in &compared {
-            assert!(agreement.agrees(), "{agreement:?}");
-        }
+        plan.cases.iter().filter(|c| c.test == Test::StepOnly).filter_map(of).collect()
     }
 
     #[test]
-    fn another_damping_does_not_agree() {
-        let plan = normal();
-        let mut wrong = plan.clone();
-        for case in &mut wrong.pitch {
-            case.settings.plane.bending_drag *= 1.5;
-        }
-        let compared = compare(&plan, &reference::answer(&wrong, 1e-3).pitch);
-        assert!(!compared.is_empty());
-        assert!(compared.iter().all(|a| !a.agrees()), "{compared:?}");
+    fn the_normal_mode_agrees_with_its_eigenvalues_where_it_is_linear_and_another_does_not() {
+        let sound = compared(|_| {});
+        let whole = sound.iter().filter(|a| matches!(a.compared, Compared::Response { .. }));
+        // Before the tips are switched in nothing but the force limit is not linear.
+        assert!((1..sound.len()).contains(&whole.count()), "{sound:?}");
+        assert!(sound.iter().all(Agreement::agrees), "{sound:?}");
+        let wrong = compared(|settings| settings.plane.bending_drag *= 1.5);
+        assert!(!wrong.is_empty() && wrong.iter().all(|a| !a.agrees()), "{wrong:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! The paper's sentences about the short period, judged on the measured runs.
 //!
-//! The judge reads only the plan and the measured runs, so that it serves the hybrid
+//! The judge reads only the measured runs, so that it serves the hybrid
 //! machine's answers and the reference's alike. Conditions are known by their names
 //! in the study file ([`NORMAL`], [`FTC_GAIN_LOST`], [`TVC_SLOW`], [`TVC_FAST`]); a
 //! study without one of them leaves its claims unjudged. A measure that a run does
@@ -11,8 +11,8 @@ mod yaw_roll;
 
 pub use pitch::{BENDING_MIDDLE, OSCILLATORY, OVERSHOOT_P1, RESIDUAL_P1};
 
-use super::outcome::{Outcome, Run};
-use desk::claim::{Claim, Verdict};
+use super::results::{Results, Run};
+use desk::claim::{Claim, Evidence, Verdict};
 
 /// Name of the normal condition.
 pub const NORMAL: &str = "normal";
@@ -23,20 +23,17 @@ pub const TVC_SLOW: &str = "tvc-slow";
 /// Name of the TVC time constant reduced to 0.005 s.
 pub const TVC_FAST: &str = "tvc-fast";
 
+// Where the case study's report shows them.
+pub(super) const FIGURE_4: Evidence = Evidence::at("figure-4");
+pub(super) const FIGURE_5: Evidence = Evidence::at("figure-5");
+pub(super) const BENDING_GROWTH: Evidence = Evidence::at("bending-growth");
+pub(super) const OVERSHOOTS: Evidence = Evidence::at("matrix-overshoot");
+pub(super) const BENDING: Evidence = Evidence::at("matrix-bending");
+
 /// Judges P1 to P6 and Y1 to Y4.
-pub fn judge(outcome: &Outcome) -> Vec<Claim> {
-    vec![
-        pitch::p1(outcome),
-        pitch::p2(outcome),
-        pitch::p3(outcome),
-        pitch::p4(outcome),
-        pitch::p5(outcome),
-        pitch::p6(outcome),
-        yaw_roll::y1(outcome),
-        yaw_roll::y2(outcome),
-        yaw_roll::y3(outcome),
-        yaw_roll::y4(outcome),
-    ]
+pub fn judge(results: &Results) -> Vec<Claim> {
+    use {pitch::*, yaw_roll::*};
+    [p1, p2, p3, p4, p5, p6, y1, y2, y3, y4].map(|claim| claim(results)).into()
 }
 
 /// The worst value of some runs with its point: greatest where the bound is an upper one.
@@ -47,10 +44,25 @@ struct Worst<'a> {
 }
 
 impl<'a> Worst<'a> {
-    fn of<C: 'a, R: 'a, M: 'a>(
+    /// Against an upper bound the greatest, against a lower one the least.
+    fn greatest(
+        runs: impl Iterator<Item = &'a Run>,
+        value: impl Fn(&Run) -> Option<f64>,
+    ) -> Worst<'a> {
+        Worst::of(true, runs, value)
+    }
+
+    fn least(
+        runs: impl Iterator<Item = &'a Run>,
+        value: impl Fn(&Run) -> Option<f64>,
+    ) -> Worst<'a> {
+        Worst::of(false, runs, value)
+    }
+
+    fn of(
         upper: bool,
-        runs: impl Iterator<Item = &'a Run<C, R, M>>,
-        value: impl Fn(&Run<C, R, M>) -> Option<f64>,
+        runs: impl Iterator<Item = &'a Run>,
+        value: impl Fn(&Run) -> Option<f64>,
     ) -> Worst<'a> {
         let mut worst = Worst { upper, found: None, missing: None };
         for run in runs {
@@ -109,24 +121,21 @@ fn both(a: Verdict, b: Verdict) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::short_period::plan::{Plan, YawRollCase};
-    use crate::study::short_period::reference;
-    use crate::study::short_period::study_file::Study;
-    use vehicle::{Vehicle, VehicleData};
+    use crate::study::short_period::{
+        coefficients::Settings, plan::Plan, reference, study_file::Study,
+    };
+    use vehicle::Vehicle;
 
     fn judged(plan: &Plan) -> Vec<Claim> {
         // 1 ms: gyro and the fastest actuator take 100 and 200 rad/s · 1 ms.
-        judge(&Outcome::new(plan.clone(), reference::answer(plan, 1e-3)))
+        judge(&reference::answer(plan, 1e-3))
     }
 
     /// The shipped study with only some conditions, to save time.
-    fn plan(conditions: &[&str], change: impl Fn(&mut VehicleData)) -> Plan {
-        let mut data = Vehicle::shipped().unwrap().data().clone();
-        change(&mut data);
-        let vehicle = Vehicle::from_data(data).unwrap();
+    fn plan(conditions: &[&str]) -> Plan {
         let mut study = Study::shipped().unwrap();
         study.conditions.retain(|c| conditions.contains(&c.name.as_str()));
-        Plan::new(&study, &vehicle).unwrap()
+        Plan::new(&study, &Vehicle::shipped().unwrap()).unwrap()
     }
 
     fn failing(claims: &[Claim]) -> Vec<String> {
@@ -137,91 +146,70 @@ mod tests {
 
     #[test]
     fn every_claim_holds_on_the_second_formulation() {
-        let claims = judged(&plan(&JUDGED, |_| {}));
+        let claims = judged(&plan(&JUDGED));
         assert_eq!(claims.len(), 10);
         for claim in &claims {
             assert!(claim.holds(), "{claim:?}");
         }
     }
 
-    /// With the thrust vector always at work its poor lead spoils the normal step, and
-    /// dedicated allocation loses its advantage. (The gain failure still rings, since
-    /// its loop is lightly damped with and without the dead zone.)
+    /// What is spoilt fails its claims. With the thrust vector always at work its poor lead
+    /// spoils the normal step, and dedicated allocation loses its advantage. (The gain failure
+    /// still rings, since its loop is lightly damped with and without the dead zone.)
     #[test]
-    fn without_the_dead_zone_normal_mode_and_allocation_fail() {
-        let mut plan = plan(&[NORMAL], |_| {});
-        for case in &mut plan.pitch {
-            case.settings.plane.dead_zone = 0.0;
+    fn a_spoilt_loop_fails_the_matching_claims() {
+        type Spoil = fn(&mut Settings);
+        let pitch: [(&[&str], Spoil, &[&str]); 5] = [
+            (&[NORMAL], |s| s.plane.dead_zone = 0.0, &["P1", "Y4"]),
+            (
+                &[NORMAL],
+                |s| (s.plane.tvc_lead, s.plane.ftc_lead) = (-s.plane.tvc_lead, -s.plane.ftc_lead),
+                &["P1"],
+            ),
+            (&[NORMAL], |s| s.plane.bending_drag *= -1.0, &["P5"]),
+            (&[FTC_GAIN_LOST], |s| s.plane.bending_drag = 0.0, &["P6"]),
+            (&[TVC_SLOW, TVC_FAST], |s| s.plane.tvc_bandwidth = 10.0, &["P3", "P4"]),
+        ];
+        fn roll(s: &mut Settings) -> &mut super::super::coefficients::Roll {
+            s.roll.as_mut().unwrap()
         }
-        for case in &mut plan.yaw_roll {
-            case.settings.plane.dead_zone = 0.0;
-        }
-        assert_eq!(failing(&judged(&plan)), ["P1", "Y4"]);
-    }
-
-    #[test]
-    fn a_flipped_sign_of_the_damping_spoils_the_normal_mode() {
-        let mut leads = plan(&[NORMAL], |_| {});
-        for case in &mut leads.pitch {
-            case.settings.plane.tvc_lead *= -1.0;
-            case.settings.plane.ftc_lead *= -1.0;
-        }
-        assert!(failing(&judged(&leads)).iter().any(|id| id == "P1"));
-        let mut structure = plan(&[NORMAL], |_| {});
-        for case in &mut structure.pitch {
-            case.settings.plane.bending_drag *= -1.0;
-        }
-        assert!(failing(&judged(&structure)).iter().any(|id| id == "P5"));
-    }
-
-    #[test]
-    fn an_undamped_mode_fails_the_gain_failure_claim_too() {
-        let mut plan = plan(&[FTC_GAIN_LOST], |_| {});
-        for case in &mut plan.pitch {
-            case.settings.plane.bending_drag = 0.0;
-        }
-        assert!(failing(&judged(&plan)).iter().any(|id| id == "P6"));
-    }
-
-    #[test]
-    fn a_healthy_actuator_does_not_pass_for_a_failed_one() {
-        let mut plan = plan(&[TVC_SLOW, TVC_FAST], |_| {});
-        for case in &mut plan.pitch {
-            case.settings.plane.tvc_bandwidth = 10.0;
-        }
-        assert_eq!(failing(&judged(&plan)), ["P3", "P4"]);
-    }
-
-    #[test]
-    fn other_sharing_of_the_tips_fails_the_sharing_claims() {
-        let base = plan(&[NORMAL], |_| {});
-        let with = |change: &dyn Fn(&mut YawRollCase)| {
-            let mut plan = base.clone();
-            plan.pitch.clear();
-            plan.yaw_roll.iter_mut().for_each(change);
-            failing(&judged(&plan))
+        let yaw_roll: [(Spoil, &str); 4] = [
+            // A small roll error does not saturate the tips.
+            (|s| roll(s).initial.roll_rad /= 20.0, "Y1"),
+            // No thrust vector: never called, and yaw never settles.
+            (|s| s.plane.tvc_gain = 0.0, "Y2"),
+            // Tips that never serve yaw.
+            (|s| s.plane.ftc_gain = 0.0, "Y3"),
+            // A dedicated channel without its lead settles later than the shared one.
+            (
+                |s| {
+                    if roll(s).dedicated {
+                        s.plane.tvc_lead = 0.0
+                    }
+                },
+                "Y4",
+            ),
+        ];
+        let fails = |mut plan: Plan, spoil: Spoil, expected: &[&str]| {
+            plan.cases.iter_mut().for_each(|case| spoil(&mut case.settings));
+            let failing = failing(&judged(&plan));
+            assert!(expected.iter().all(|id| failing.iter().any(|f| f == id)), "{failing:?}");
+            failing.len()
         };
-        // A small roll error does not saturate the tips.
-        assert!(with(&|c| c.settings.initial.roll_rad /= 20.0).iter().any(|id| id == "Y1"));
-        // No thrust vector: never called, and yaw never settles.
-        assert!(with(&|c| c.settings.plane.tvc_gain = 0.0).iter().any(|id| id == "Y2"));
-        // Tips that never serve yaw.
-        assert!(with(&|c| c.settings.plane.ftc_gain = 0.0).iter().any(|id| id == "Y3"));
-        // A dedicated channel without its lead settles later than the shared one.
-        assert!(
-            with(&|c| {
-                if c.settings.dedicated {
-                    c.settings.plane.tvc_lead = 0.0;
-                }
-            })
-            .iter()
-            .any(|id| id == "Y4")
-        );
+        for (conditions, spoil, expected) in pitch {
+            let failing = fails(plan(conditions), spoil, expected);
+            assert!(expected.len() < 2 || failing == 2, "{expected:?}");
+        }
+        for (spoil, expected) in yaw_roll {
+            let mut plan = plan(&[NORMAL]);
+            plan.cases.retain(|c| c.settings.roll.is_some());
+            fails(plan, spoil, &[expected]);
+        }
     }
 
     #[test]
     fn a_study_without_the_runs_leaves_claims_unjudged() {
-        let claims = judged(&plan(&[], |_| {}));
+        let claims = judged(&plan(&[]));
         assert!(claims.iter().all(|c| c.verdict == Verdict::NotJudged));
     }
 }

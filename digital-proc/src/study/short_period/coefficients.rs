@@ -1,81 +1,10 @@
 //! From a frozen point to the settings of the short-period patches.
 //!
-//! The same numbers feed the machine (by block name, [`PitchSettings::settings`]),
-//! the linearised loops and the reference integration, so that all three are
-//! about one model. Yaw is the same plane as pitch with the lateral speed
-//! counted positive to port.
+//! The same numbers feed the machine (by block name, [`Settings::values`]), the linearised
+//! loops and the reference integration, so that all three are about one model. Yaw is the
+//! same plane as pitch with the lateral speed counted positive to port.
 
 use super::point::FrozenPoint;
-
-/// Coefficients of one plane: `sub/stage-plane.toml` and its tip actuators.
-///
-/// z̈ = −thrust_pull θ − normal_pull α + control_pull (F_F + F_T), eq. (20);
-/// θ̈ = aero_moment α + damping θ̇ + ftc_moment F_F + tvc_moment F_T + misalignment, eq. (21);
-/// α = θ + ż/V + gust, eq. (22).
-///
-/// Departs from the paper, eq. (21): the damping term `M_q/I θ̇` is kept, which
-/// the printed equation lacks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// (T − A)/m, m/s² per rad.
-    pub thrust_pull: f64,
-    /// L_α/m, m/s² per rad.
-    pub normal_pull: f64,
-    /// 1/m, 1/kg.
-    pub control_pull: f64,
-    /// 1/V, s/m.
-    pub inverse_speed: f64,
-    /// M_α/I, 1/s².
-    pub aero_moment: f64,
-    /// M_q/I, 1/s.
-    pub damping: f64,
-    /// l_f/I, 1/(kg m).
-    pub ftc_moment: f64,
-    /// l_t/I, 1/(kg m).
-    pub tvc_moment: f64,
-    /// 2 ζ_b ω_b, 1/s.
-    pub bending_drag: f64,
-    /// ω_b², 1/s².
-    pub bending_spring: f64,
-    /// φ_c/M_g, 1/kg.
-    pub bending_drive: f64,
-    /// λ_g, 1/m.
-    pub gyro_slope: f64,
-    /// λ_i, 1/m.
-    pub imu_slope: f64,
-    /// Gyro ω², 1/s².
-    pub gyro_spring: f64,
-    /// Gyro 2ζω, 1/s.
-    pub gyro_drag: f64,
-    /// T_T, s.
-    pub tvc_lead: f64,
-    /// K_T, N/rad.
-    pub tvc_gain: f64,
-    /// 1/τ_T, 1/s.
-    pub tvc_bandwidth: f64,
-    /// F_max, N.
-    pub tvc_limit: f64,
-    /// e_dz, rad.
-    pub dead_zone: f64,
-    /// T_F, s.
-    pub ftc_lead: f64,
-    /// Pole of the bending filter, 1/s.
-    pub filter_pole: f64,
-    /// K_F.
-    pub ftc_gain: f64,
-    /// F_δ, N/rad.
-    pub tip_force: f64,
-    /// Tip travel limit, rad.
-    pub tip_travel: f64,
-    /// Tip rate limit, rad/s.
-    pub tip_rate: f64,
-    /// 1/τ_F, 1/s.
-    pub tip_bandwidth: f64,
-    /// M_d/I, rad/s².
-    pub misalignment: f64,
-    /// Gust incidence, rad.
-    pub gust: f64,
-}
 
 /// What disturbs a run, as fractions of the point's own figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,39 +22,128 @@ impl Disturbance {
     pub const NONE: Disturbance = Disturbance { misalignment: 0.0, gust: 0.0, cant: 0.0 };
 }
 
-/// Settings of `pitch-loop.toml`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PitchSettings {
-    /// The pitch plane.
-    pub plane: Plane,
-    /// Commanded attitude, rad.
-    pub command_rad: f64,
+/// A line a coefficient: symbol and unit, name, the blocks that hold it, its value.
+macro_rules! plane {
+    ($point:ident, $disturbance:ident; $($(#[$doc:meta])* $field:ident [$($block:literal),*] $value:expr;)*) => {
+        /// Coefficients of one plane: `sub/stage-plane.toml` and its tip actuators.
+        ///
+        /// z̈ = −thrust_pull θ − normal_pull α + control_pull (F_F + F_T), eq. (20);
+        /// θ̈ = aero_moment α + damping θ̇ + ftc_moment F_F + tvc_moment F_T + misalignment, eq. (21);
+        /// α = θ + ż/V + gust, eq. (22).
+        ///
+        /// Departs from the paper, eq. (21): the damping term `M_q/I θ̇` is kept, which
+        /// the printed equation lacks.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Plane { $($(#[$doc])* pub $field: f64,)* }
+
+        impl Plane {
+            /// Coefficients of a point under a disturbance. Mass, inertia, speed and
+            /// time constants of a frozen point are positive.
+            pub fn new($point: &FrozenPoint, $disturbance: &Disturbance) -> Plane {
+                Plane { $($field: $value,)* }
+            }
+
+            fn values(&self) -> Vec<(&'static str, f64)> {
+                vec![$($(($block, self.$field),)*)*]
+            }
+        }
+    };
 }
 
-/// Settings and initial conditions of `yaw-roll-loop.toml`.
+plane! { p, of;
+    /// (T − A)/m, m/s² per rad.
+    thrust_pull ["plane.thrust_pull"] (p.thrust_n - p.axial_force_n) / p.mass_kg;
+    /// L_α/m, m/s² per rad.
+    normal_pull ["plane.normal_pull"] p.normal_force_slope_nprad / p.mass_kg;
+    /// 1/m, 1/kg.
+    control_pull ["plane.control_pull"] 1.0 / p.mass_kg;
+    /// 1/V, s/m.
+    inverse_speed ["plane.drift_angle", "plane.drift_slope"] 1.0 / p.speed_mps;
+    /// M_α/I, 1/s².
+    aero_moment ["plane.aero_moment"] p.moment_slope_nmprad / p.inertia_kgm2;
+    /// M_q/I, 1/s.
+    damping ["plane.damping_moment"] p.pitch_damping_nms / p.inertia_kgm2;
+    /// l_f/I, 1/(kg m).
+    ftc_moment ["plane.fin_moment"] p.tip_arm_m / p.inertia_kgm2;
+    /// l_t/I, 1/(kg m).
+    tvc_moment ["plane.tvc_moment"] p.tvc_arm_m / p.inertia_kgm2;
+    /// 2 ζ_b ω_b, 1/s.
+    bending_drag ["plane.eta_drag"] 2.0 * p.bending_damping * p.bending_frequency_radps;
+    /// ω_b², 1/s².
+    bending_spring ["plane.eta_spring"] p.bending_frequency_radps * p.bending_frequency_radps;
+    /// φ_c/M_g, 1/kg.
+    bending_drive ["plane.eta_drive"] p.bending_displacement / p.bending_mass_kg;
+    /// λ_g, 1/m.
+    gyro_slope ["plane.gyro_pickup"] p.gyro_slope_pm;
+    /// λ_i, 1/m.
+    imu_slope ["plane.imu_pickup"] p.imu_slope_pm;
+    /// Gyro ω², 1/s².
+    gyro_spring ["plane.gyro_spring"] p.gyro_frequency_radps * p.gyro_frequency_radps;
+    /// Gyro 2ζω, 1/s.
+    gyro_drag ["plane.gyro_drag"] 2.0 * p.gyro_damping * p.gyro_frequency_radps;
+    /// T_T, s.
+    tvc_lead ["plane.tvc_lead"] p.tvc_lead_s;
+    /// K_T, N/rad.
+    tvc_gain ["plane.tvc_demand"] p.tvc_gain_nprad;
+    /// 1/τ_T, 1/s.
+    tvc_bandwidth ["plane.tvc_slope"] 1.0 / p.tvc_time_constant_s;
+    /// F_max, N.
+    tvc_limit ["plane.tvc_limit"] p.tvc_limit_n;
+    /// e_dz, rad.
+    dead_zone ["plane.dead_zone_width"] p.dead_zone_rad;
+    /// T_F, s.
+    ftc_lead ["plane.fin_lead"] p.ftc_lead_s;
+    /// Pole of the bending filter, 1/s.
+    filter_pole ["plane.filter_slope"] p.filter_pole_radps;
+    /// K_F.
+    ftc_gain ["plane.fin_demand"] p.ftc_gain;
+    /// F_δ, N/rad; by another name in each patch.
+    tip_force [] p.tip_force_slope_nprad;
+    /// Tip travel limit, rad.
+    tip_travel ["tip_travel"] p.tip_travel_rad;
+    /// Tip rate limit, rad/s.
+    tip_rate ["tip_rate"] p.tip_rate_radps;
+    /// 1/τ_F, 1/s.
+    tip_bandwidth ["tip_bandwidth"] 1.0 / p.ftc_time_constant_s;
+    /// M_d/I, rad/s².
+    misalignment ["plane.misalignment"] of.misalignment * p.misalignment_moment_nm / p.inertia_kgm2;
+    /// Gust incidence, rad.
+    gust ["plane.gust"] of.gust * p.gust_mps * libm::sin(p.gamma_rad) / p.speed_mps;
+}
+
+/// What a run is set to: `pitch-loop.toml`, or `yaw-roll-loop.toml` where there is roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct YawRollSettings {
-    /// The yaw plane.
+pub struct Settings {
+    /// The pitch or the yaw plane.
     pub plane: Plane,
+    /// Commanded attitude in that plane, rad.
+    pub command_rad: f64,
+    /// Roll, and how it shares the tips.
+    pub roll: Option<Roll>,
+}
+
+/// The roll loop of a yaw–roll run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roll {
     /// y_tip/I_xx, 1/(kg m).
-    pub roll_moment: f64,
+    pub moment: f64,
     /// L_p/I_xx, 1/s.
-    pub roll_damping: f64,
+    pub damping: f64,
     /// K_φ.
-    pub roll_gain: f64,
+    pub gain: f64,
     /// T_φ, s.
-    pub roll_lead: f64,
+    pub lead: f64,
     /// Fin-cant moment over I_xx, rad/s².
     pub cant: f64,
     /// Tips for roll only, thrust vector for yaw only.
     pub dedicated: bool,
     /// Initial offsets and rates.
-    pub initial: YawRollInitial,
+    pub initial: Offsets,
 }
 
 /// Initial conditions of a yaw–roll run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct YawRollInitial {
+pub struct Offsets {
     /// Yaw offset ψ, rad.
     pub yaw_rad: f64,
     /// Yaw rate, rad/s.
@@ -136,154 +154,71 @@ pub struct YawRollInitial {
     pub roll_rate_radps: f64,
 }
 
-impl Plane {
-    /// Coefficients of a point under a disturbance. Mass, inertia, speed and
-    /// time constants of a frozen point are positive.
-    pub fn new(point: &FrozenPoint, disturbance: &Disturbance) -> Plane {
-        let inertia = point.inertia_kgm2;
-        let bending = point.bending_frequency_radps;
-        let gyro = point.gyro_frequency_radps;
-        Plane {
-            thrust_pull: (point.thrust_n - point.axial_force_n) / point.mass_kg,
-            normal_pull: point.normal_force_slope_nprad / point.mass_kg,
-            control_pull: 1.0 / point.mass_kg,
-            inverse_speed: 1.0 / point.speed_mps,
-            aero_moment: point.moment_slope_nmprad / inertia,
-            damping: point.pitch_damping_nms / inertia,
-            ftc_moment: point.tip_arm_m / inertia,
-            tvc_moment: point.tvc_arm_m / inertia,
-            bending_drag: 2.0 * point.bending_damping * bending,
-            bending_spring: bending * bending,
-            bending_drive: point.bending_displacement / point.bending_mass_kg,
-            gyro_slope: point.gyro_slope_pm,
-            imu_slope: point.imu_slope_pm,
-            gyro_spring: gyro * gyro,
-            gyro_drag: 2.0 * point.gyro_damping * gyro,
-            tvc_lead: point.tvc_lead_s,
-            tvc_gain: point.tvc_gain_nprad,
-            tvc_bandwidth: 1.0 / point.tvc_time_constant_s,
-            tvc_limit: point.tvc_limit_n,
-            dead_zone: point.dead_zone_rad,
-            ftc_lead: point.ftc_lead_s,
-            filter_pole: point.filter_pole_radps,
-            ftc_gain: point.ftc_gain,
-            tip_force: point.tip_force_slope_nprad,
-            tip_travel: point.tip_travel_rad,
-            tip_rate: point.tip_rate_radps,
-            tip_bandwidth: 1.0 / point.ftc_time_constant_s,
-            misalignment: disturbance.misalignment * point.misalignment_moment_nm / inertia,
-            gust: disturbance.gust * point.gust_mps * libm::sin(point.gamma_rad) / point.speed_mps,
-        }
-    }
-
-    /// The plane with thrust vector control alone in yaw: no dead zone, its own gains.
-    pub fn dedicated(self, point: &FrozenPoint) -> Plane {
-        Plane {
-            dead_zone: 0.0,
-            tvc_gain: self.tvc_gain * point.dedicated_gain_factor,
-            tvc_lead: point.dedicated_lead_s,
-            ..self
-        }
-    }
-
-    fn settings(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("plane.thrust_pull", self.thrust_pull),
-            ("plane.normal_pull", self.normal_pull),
-            ("plane.control_pull", self.control_pull),
-            ("plane.drift_angle", self.inverse_speed),
-            ("plane.drift_slope", self.inverse_speed),
-            ("plane.aero_moment", self.aero_moment),
-            ("plane.damping_moment", self.damping),
-            ("plane.fin_moment", self.ftc_moment),
-            ("plane.tvc_moment", self.tvc_moment),
-            ("plane.eta_drag", self.bending_drag),
-            ("plane.eta_spring", self.bending_spring),
-            ("plane.eta_drive", self.bending_drive),
-            ("plane.gyro_pickup", self.gyro_slope),
-            ("plane.imu_pickup", self.imu_slope),
-            ("plane.gyro_spring", self.gyro_spring),
-            ("plane.gyro_drag", self.gyro_drag),
-            ("plane.tvc_lead", self.tvc_lead),
-            ("plane.tvc_demand", self.tvc_gain),
-            ("plane.tvc_slope", self.tvc_bandwidth),
-            ("plane.tvc_limit", self.tvc_limit),
-            ("plane.dead_zone_width", self.dead_zone),
-            ("plane.fin_lead", self.ftc_lead),
-            ("plane.filter_slope", self.filter_pole),
-            ("plane.fin_demand", self.ftc_gain),
-            ("plane.misalignment", self.misalignment),
-            ("plane.gust", self.gust),
-            ("tip_travel", self.tip_travel),
-            ("tip_rate", self.tip_rate),
-            ("tip_bandwidth", self.tip_bandwidth),
-        ]
-    }
-}
-
-impl PitchSettings {
+impl Settings {
     /// Settings of a pitch run at a point.
-    pub fn new(point: &FrozenPoint, disturbance: &Disturbance, command_rad: f64) -> PitchSettings {
-        PitchSettings { plane: Plane::new(point, disturbance), command_rad }
+    pub fn pitch(point: &FrozenPoint, disturbance: &Disturbance, command_rad: f64) -> Settings {
+        Settings { plane: Plane::new(point, disturbance), command_rad, roll: None }
     }
 
-    /// Value of every coefficient unit and converter of the patch, by block name.
-    pub fn settings(&self) -> Vec<(&'static str, f64)> {
-        let mut all = self.plane.settings();
-        all.push(("fin_force", self.plane.tip_force));
-        all.push(("theta_c", self.command_rad));
-        all
-    }
-}
-
-impl YawRollSettings {
-    /// Settings of a yaw–roll run at a point, tips shared or dedicated to roll.
-    pub fn new(
+    /// Settings of a yaw–roll run at a point: tips shared, or dedicated to roll; then the thrust
+    /// vector alone does yaw, without a dead zone and with its own gains.
+    pub fn yaw_roll(
         point: &FrozenPoint,
         disturbance: &Disturbance,
-        initial: YawRollInitial,
+        initial: Offsets,
         dedicated: bool,
-    ) -> YawRollSettings {
-        let shared = Plane::new(point, disturbance);
-        YawRollSettings {
-            plane: if dedicated { shared.dedicated(point) } else { shared },
-            roll_moment: point.tip_roll_arm_m / point.roll_inertia_kgm2,
-            roll_damping: point.roll_damping_nms / point.roll_inertia_kgm2,
-            roll_gain: point.roll_gain,
-            roll_lead: point.roll_lead_s,
+    ) -> Settings {
+        let mut plane = Plane::new(point, disturbance);
+        if dedicated {
+            plane.dead_zone = 0.0;
+            plane.tvc_gain *= point.dedicated_gain_factor;
+            plane.tvc_lead = point.dedicated_lead_s;
+        }
+        let roll = Roll {
+            moment: point.tip_roll_arm_m / point.roll_inertia_kgm2,
+            damping: point.roll_damping_nms / point.roll_inertia_kgm2,
+            gain: point.roll_gain,
+            lead: point.roll_lead_s,
             cant: disturbance.cant * point.cant_moment_nm / point.roll_inertia_kgm2,
             dedicated,
             initial,
-        }
+        };
+        Settings { plane, command_rad: 0.0, roll: Some(roll) }
     }
 
     /// Value of every coefficient unit, converter and control line of the patch, by block name.
-    pub fn settings(&self) -> Vec<(&'static str, f64)> {
-        let mut all = self.plane.settings();
-        all.extend([
-            ("psi_c", 0.0),
-            ("yaw_fin_force", self.plane.tip_force),
-            ("roll_fin_force", self.plane.tip_force),
-            ("roll_tip_moment", self.roll_moment),
-            ("roll_damping", self.roll_damping),
-            ("roll_demand", self.roll_gain),
-            ("roll_lead", self.roll_lead),
-            ("roll_gyro_spring", self.plane.gyro_spring),
-            ("roll_gyro_drag", self.plane.gyro_drag),
-            ("cant", self.cant),
-            ("dedicated", f64::from(u8::from(self.dedicated))),
-        ]);
+    pub fn values(&self) -> Vec<(&'static str, f64)> {
+        let plane = &self.plane;
+        let mut all = plane.values();
+        match &self.roll {
+            None => all.extend([("fin_force", plane.tip_force), ("theta_c", self.command_rad)]),
+            Some(roll) => all.extend([
+                ("psi_c", self.command_rad),
+                ("yaw_fin_force", plane.tip_force),
+                ("roll_fin_force", plane.tip_force),
+                ("roll_tip_moment", roll.moment),
+                ("roll_damping", roll.damping),
+                ("roll_demand", roll.gain),
+                ("roll_lead", roll.lead),
+                ("roll_gyro_spring", plane.gyro_spring),
+                ("roll_gyro_drag", plane.gyro_drag),
+                ("cant", roll.cant),
+                ("dedicated", f64::from(u8::from(roll.dedicated))),
+            ]),
+        }
         all
     }
 
-    /// Initial conditions by integrator name.
-    pub fn initial_conditions(&self) -> [(&'static str, f64); 4] {
-        [
-            ("plane.theta", self.initial.yaw_rad),
-            ("plane.theta_rate", self.initial.yaw_rate_radps),
-            ("roll_angle", self.initial.roll_rad),
-            ("roll_rate", self.initial.roll_rate_radps),
-        ]
+    /// Initial conditions by integrator name; the others stand as patched.
+    pub fn initial_conditions(&self) -> Vec<(&'static str, f64)> {
+        self.roll.map_or_else(Vec::new, |Roll { initial, .. }| {
+            vec![
+                ("plane.theta", initial.yaw_rad),
+                ("plane.theta_rate", initial.yaw_rate_radps),
+                ("roll_angle", initial.roll_rad),
+                ("roll_rate", initial.roll_rate_radps),
+            ]
+        })
     }
 }
 
@@ -292,19 +227,15 @@ mod tests {
     use std::collections::{BTreeMap, BTreeSet};
 
     use super::*;
+    use crate::study::short_period::control_loop::ControlLoop;
     use crate::study::short_period::point::tests::numbered;
-    use crate::study::short_period::response::{PITCH_CHANNELS, YAW_ROLL_CHANNELS};
 
     const PITCH: &str = include_str!("../../../../patch-files/pitch-loop.toml");
     const YAW_ROLL: &str = include_str!("../../../../patch-files/yaw-roll-loop.toml");
     const PLANE: &str = include_str!("../../../../patch-files/sub/stage-plane.toml");
 
-    const INITIAL: YawRollInitial = YawRollInitial {
-        yaw_rad: 0.04,
-        yaw_rate_radps: 0.01,
-        roll_rad: 0.35,
-        roll_rate_radps: 0.02,
-    };
+    const INITIAL: Offsets =
+        Offsets { yaw_rad: 0.04, yaw_rate_radps: 0.01, roll_rad: 0.35, roll_rate_radps: 0.02 };
 
     /// Kind and channel (or line) of every block, the plane's under its prefix.
     fn blocks(text: &str) -> BTreeMap<String, (String, Option<i64>)> {
@@ -347,34 +278,29 @@ mod tests {
         }
     }
 
-    fn assert_channels_match(patch: &str, channels: &[&str]) {
-        let blocks = blocks(patch);
-        for (number, name) in channels.iter().enumerate() {
-            let expected = ("adc".to_owned(), Some(number as i64));
-            assert_eq!(blocks.get(*name), Some(&expected), "{name}");
-        }
-    }
-
     #[test]
     fn every_coefficient_of_the_patches_is_set_once() {
         let point = numbered();
-        let pitch = PitchSettings::new(&point, &Disturbance::NONE, 0.035);
-        assert_settings_match(PITCH, &pitch.settings());
-        assert_channels_match(PITCH, &PITCH_CHANNELS.map(|c| c.adc));
-        let yaw_roll = YawRollSettings::new(&point, &Disturbance::NONE, INITIAL, true);
-        assert_settings_match(YAW_ROLL, &yaw_roll.settings());
-        assert_channels_match(YAW_ROLL, &YAW_ROLL_CHANNELS.map(|c| c.adc));
-        let blocks = blocks(YAW_ROLL);
-        for (name, _) in yaw_roll.initial_conditions() {
-            assert_eq!(blocks[name].0, "integrator", "{name}");
+        let pitch = Settings::pitch(&point, &Disturbance::NONE, 0.035);
+        let yaw_roll = Settings::yaw_roll(&point, &Disturbance::NONE, INITIAL, true);
+        for (patch, settings) in [(PITCH, &pitch), (YAW_ROLL, &yaw_roll)] {
+            assert_settings_match(patch, &settings.values());
+            let blocks = blocks(patch);
+            for (number, channel) in ControlLoop::of(settings).channels().iter().enumerate() {
+                let expected = ("adc".to_owned(), Some(number as i64));
+                assert_eq!(blocks.get(channel.adc), Some(&expected), "{}", channel.adc);
+            }
+            for (name, _) in settings.initial_conditions() {
+                assert_eq!(blocks[name].0, "integrator", "{name}");
+            }
         }
     }
 
     #[test]
     fn dedicated_allocation_opens_the_dead_zone_and_changes_the_lead() {
-        let point = numbered();
-        let plane =
-            |dedicated| YawRollSettings::new(&point, &Disturbance::NONE, INITIAL, dedicated).plane;
+        let plane = |dedicated| {
+            Settings::yaw_roll(&numbered(), &Disturbance::NONE, INITIAL, dedicated).plane
+        };
         let (shared, alone) = (plane(false), plane(true));
         assert_eq!(alone.dead_zone, 0.0);
         assert_eq!(alone.tvc_gain, 0.9 * shared.tvc_gain);

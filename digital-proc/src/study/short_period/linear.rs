@@ -2,15 +2,13 @@
 //!
 //! A dead zone, a travel limit or a force limit is replaced by the gain it shows
 //! to a small signal (1 inside its linear range, 0 where it is saturated or
-//! closed) or, for a given amplitude, by its describing function. Eigenvalues
-//! therefore agree with a response only where the loop stays in that range.
-
-use std::f64::consts::FRAC_2_PI;
+//! closed). Eigenvalues therefore agree with a response only where the loop stays in
+//! that range.
 
 use crate::matrix_exp::matrix_exp;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use super::coefficients::{Plane, YawRollSettings};
+use super::coefficients::Plane;
 
 /// Gains shown by the two channels, as fractions of the linear ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,16 +26,6 @@ impl ChannelGains {
     pub const FTC_ONLY: ChannelGains = ChannelGains { ftc: 1.0, tvc: 0.0 };
     /// Thrust vector alone: the tips saturated or absent, the dead zone ignored.
     pub const TVC_ONLY: ChannelGains = ChannelGains { ftc: 0.0, tvc: 1.0 };
-}
-
-/// Gain of a dead zone of half width `half_width` to a sine of `amplitude`:
-/// N = 1 − (2/π)(sin⁻¹ρ + ρ√(1−ρ²)), ρ = half_width/amplitude; 0 for ρ ≥ 1.
-pub fn dead_zone_gain(half_width: f64, amplitude: f64) -> f64 {
-    if amplitude <= half_width {
-        return 0.0;
-    }
-    let rho = half_width / amplitude;
-    1.0 - FRAC_2_PI * (libm::asin(rho) + rho * (1.0 - rho * rho).sqrt())
 }
 
 /// One eigenvalue s as natural frequency |s| and damping ratio −Re s/|s|.
@@ -59,11 +47,6 @@ impl Root {
     pub fn damping(&self) -> f64 {
         let frequency = self.frequency_radps();
         if frequency == 0.0 { 0.0 } else { -self.real / frequency }
-    }
-
-    /// Whether it belongs to an oscillation.
-    pub fn oscillates(&self) -> bool {
-        self.imaginary != 0.0
     }
 }
 
@@ -112,25 +95,6 @@ pub fn plane_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 10> 
     a[(FILTERED, ETA)] = -plane.filter_pole * plane.imu_slope;
     a[(FILTERED, GYRO)] = -plane.filter_pole * plane.ftc_lead;
     a[(FILTERED, FILTERED)] = -plane.filter_pole;
-    a
-}
-
-/// State matrix of the roll loop, states: φ, p, half the difference of the tips,
-/// gyro rate, gyro slope; shape `[5][5]`. With the tips inside their travel yaw and
-/// roll do not couple: sum and difference of two equal linear tips are independent.
-pub fn roll_matrix(settings: &YawRollSettings) -> SMatrix<f64, 5, 5> {
-    let plane = &settings.plane;
-    let mut a = SMatrix::<f64, 5, 5>::zeros();
-    a[(0, 1)] = 1.0;
-    a[(1, 1)] = settings.roll_damping;
-    a[(1, 2)] = settings.roll_moment * plane.tip_force;
-    a[(2, 2)] = -plane.tip_bandwidth;
-    a[(2, 0)] = -plane.tip_bandwidth * settings.roll_gain;
-    a[(2, 3)] = -plane.tip_bandwidth * settings.roll_gain * settings.roll_lead;
-    a[(3, 4)] = 1.0;
-    a[(4, 1)] = plane.gyro_spring;
-    a[(4, 3)] = -plane.gyro_spring;
-    a[(4, 4)] = -plane.gyro_drag;
     a
 }
 
@@ -220,8 +184,7 @@ pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::short_period::coefficients::{Disturbance, PitchSettings, YawRollInitial};
-    use crate::study::short_period::metrics::{Window, oscillation};
+    use crate::study::short_period::coefficients::{Disturbance, Settings};
     use crate::study::short_period::point::FrozenPoint;
     use crate::study::short_period::reference::{self, Grid};
     use vehicle::Vehicle;
@@ -280,69 +243,17 @@ mod tests {
             (&points[1], ChannelGains::FTC_ONLY, 0.1_f64.to_radians()),
         ];
         for (point, gains, command) in cases {
-            let settings = PitchSettings::new(point, &Disturbance::NONE, command);
-            let run = reference::pitch(&settings, &grid);
+            let settings = Settings::pitch(point, &Disturbance::NONE, command);
+            let run = reference::run(&settings, &grid);
             let exact = step_response(&settings.plane, gains, command, 0.02, 300);
             for (i, row) in exact.iter().enumerate() {
                 // RK4 at 1 ms: (100 rad/s · 1 ms)⁵/120 a step on the gyro's fast motion,
                 // which dies out in 0.1 s: below 1e-7 · 100 steps of the step.
                 let bound = 1e-5 * command;
-                assert!((run.theta_rad()[i] - row[0]).abs() < bound, "θ at sample {i}");
+                assert!((run.attitude_rad()[i] - row[0]).abs() < bound, "θ at sample {i}");
                 assert!((run.eta_m()[i] - row[1]).abs() < bound, "η at sample {i}");
             }
         }
-    }
-
-    #[test]
-    fn measured_bending_decay_is_that_of_the_eigenvalue() {
-        let grid = Grid { samples: 1200, sample_s: 0.01, steps: 10 };
-        let points = frozen(&[7.5, 20.0]);
-        for (point, gains) in [
-            (&points[0], ChannelGains::TVC_ONLY),
-            // After the transient the error is inside the dead zone.
-            (&points[1], ChannelGains::FTC_ONLY),
-        ] {
-            let settings = PitchSettings::new(point, &Disturbance::NONE, 2.0_f64.to_radians());
-            let run = reference::pitch(&settings, &grid);
-            let period = std::f64::consts::TAU / point.bending_frequency_radps;
-            let window = Window { from_s: 4.0, to_s: 9.0 };
-            let found = oscillation(run.eta_m(), 0.01, period, window).unwrap();
-            let root = plane_roots(&settings.plane, gains).bending.unwrap();
-            // What the estimator is good for (see its own test).
-            assert!(
-                (found.frequency_radps / root.frequency_radps() - 1.0).abs() < 2e-3,
-                "{found:?} {root:?}"
-            );
-            assert!((found.damping / root.damping() - 1.0).abs() < 0.03, "{found:?} {root:?}");
-        }
-    }
-
-    #[test]
-    fn roll_loop_is_stable_and_a_sign_error_would_show() {
-        let point = &frozen(&[32.5])[0];
-        let initial = YawRollInitial {
-            yaw_rad: 0.0,
-            yaw_rate_radps: 0.0,
-            roll_rad: 0.0,
-            roll_rate_radps: 0.0,
-        };
-        let settings = YawRollSettings::new(point, &Disturbance::NONE, initial, false);
-        let rightmost = |s: &YawRollSettings| {
-            roots(&roll_matrix(s)).iter().map(|r| r.real).fold(f64::NEG_INFINITY, f64::max)
-        };
-        assert!(rightmost(&settings) < -0.5);
-        let reversed = YawRollSettings { roll_lead: -settings.roll_lead, ..settings };
-        assert!(rightmost(&reversed) > 0.0);
-    }
-
-    #[test]
-    fn dead_zone_gain_rises_from_nothing_to_one() {
-        assert_eq!(dead_zone_gain(1.0, 0.5), 0.0);
-        assert_eq!(dead_zone_gain(1.0, 1.0), 0.0);
-        // ρ = ½: 1 − (2/π)(π/6 + ½·√3/2) = 1 − 1/3 − √3/(2π).
-        let half = 2.0 / 3.0 - 3.0_f64.sqrt() / std::f64::consts::TAU;
-        assert!((dead_zone_gain(1.0, 2.0) - half).abs() < 1e-15);
-        assert!((dead_zone_gain(0.0, 2.0) - 1.0).abs() < 1e-15);
     }
 
     #[test]

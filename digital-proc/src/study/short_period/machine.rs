@@ -1,21 +1,24 @@
-//! A plan run on the hybrid machine: one session, run after run by rep-op.
+//! A patched control loop as an instrument, and a plan run on it: one session, run after run.
 //!
-//! The pitch patch is loaded once and then, for each run, the machine goes to IC,
-//! its coefficients are set in one request and it operates; the yaw–roll patch
-//! follows in the same session. Nothing is restarted in between. The digital side
-//! only reads while a run operates, so that the frame cycle's latency (one frame)
-//! changes no number and lets both sides work in parallel.
+//! A patch is loaded once and then, for each run, the machine goes to IC, its coefficients
+//! are set in one request and it operates (rep-op). Nothing is restarted in between. The
+//! digital side only reads while a run operates, so that the frame cycle's latency (one
+//! frame) changes no number and lets both sides work in parallel.
 //!
-//! A run that diverges until the machine refuses to go on is kept up to there and
-//! remarked upon; it does not end the study. A lost partner does.
+//! A run that diverges until the machine refuses to go on answers with what was sampled
+//! before, and says so; it does not end the study. A lost partner or a refused setting does.
 
-use super::bench::{Bench, Occurrence};
-use super::plan::Plan;
-use super::response::{PITCH_CHANNELS, PitchResponse, YAW_ROLL_CHANNELS, YawRollResponse};
-use crate::console::{Console, ConsoleFault};
+use super::{
+    coefficients::Settings,
+    control_loop::{ControlLoop, Response},
+    plan::Plan,
+    results::{Results, Run},
+};
+use crate::linkage::console::{Console, ConsoleFault};
 use interface::{
     Tick,
-    control::{Clock, PatchBundle, RunSpec},
+    control::{ChannelKind, Clock, PatchBundle, RunSpec},
+    frame::{Samples, Updates},
     profile::Profile,
 };
 
@@ -31,119 +34,152 @@ pub struct Patches {
 impl Patches {
     /// As shipped.
     pub fn shipped() -> Patches {
-        let bundle = |root: &str, text: &str| PatchBundle {
-            root: root.to_owned(),
-            files: [
-                (root, text),
-                (
-                    "sub/stage-plane.toml",
-                    include_str!("../../../../patch-files/sub/stage-plane.toml"),
-                ),
-                ("sub/fin-tip.toml", include_str!("../../../../patch-files/sub/fin-tip.toml")),
-            ]
-            .map(|(name, text)| (name.to_owned(), text.to_owned()))
-            .into(),
-        };
+        macro_rules! files {
+            ($($name:literal),*) => {
+                [$(($name, include_str!(concat!("../../../../patch-files/", $name)))),*]
+                    .map(|(name, text)| (name.to_owned(), text.to_owned()))
+                    .into()
+            };
+        }
         Patches {
-            pitch: bundle(
-                "pitch-loop.toml",
-                include_str!("../../../../patch-files/pitch-loop.toml"),
-            ),
-            yaw_roll: bundle(
-                "yaw-roll-loop.toml",
-                include_str!("../../../../patch-files/yaw-roll-loop.toml"),
-            ),
+            pitch: PatchBundle {
+                root: "pitch-loop.toml".to_owned(),
+                files: files!["pitch-loop.toml", "sub/stage-plane.toml", "sub/fin-tip.toml"],
+            },
+            yaw_roll: PatchBundle {
+                root: "yaw-roll-loop.toml".to_owned(),
+                files: files!["yaw-roll-loop.toml", "sub/stage-plane.toml", "sub/fin-tip.toml"],
+            },
+        }
+    }
+
+    fn of(&self, control_loop: ControlLoop) -> &PatchBundle {
+        match control_loop {
+            ControlLoop::Pitch => &self.pitch,
+            ControlLoop::YawRoll => &self.yaw_roll,
         }
     }
 }
 
-/// Which loop a run belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ControlLoop {
-    /// The pitch loop.
-    Pitch,
-    /// The yaw and roll loops.
-    YawRoll,
+/// What may happen in a run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Occurrence {
+    /// The machine stopped it; its samples end there.
+    #[error("stopped at {time}: {fault}")]
+    Stopped {
+        /// Problem time of the last frame.
+        time: Tick,
+        /// The analog side's account.
+        fault: String,
+    },
+    /// A converter or coefficient unit was driven beyond its range.
+    #[error("a converter was saturated")]
+    Saturated,
+    /// Blocks were overloaded: their names, in order of time.
+    #[error("overloaded: {}", .0.join(", "))]
+    Overloaded(Vec<String>),
 }
 
-/// Something a reader of a run's numbers must know.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Remark {
-    /// The loop.
-    pub control_loop: ControlLoop,
-    /// Number of the run in the plan.
-    pub run: usize,
-    /// What happened.
-    pub what: Occurrence,
+/// A loaded patch with the numbers of its sampled channels.
+pub struct Bench {
+    control_loop: ControlLoop,
+    adc: Vec<usize>,
 }
 
-/// The machine's answers in the plan's order.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Answers {
-    /// Pitch runs.
-    pub pitch: Vec<PitchResponse>,
-    /// Yaw–roll runs.
-    pub yaw_roll: Vec<YawRollResponse>,
-    /// What happened beside.
-    pub remarks: Vec<Remark>,
-    /// SHA-256 of each patch that ran, by its name.
-    pub patches: Vec<(String, String)>,
+impl Bench {
+    /// Loads the patch of a loop and looks its channels up.
+    pub fn load(
+        console: &mut Console<'_>,
+        control_loop: ControlLoop,
+        patches: &Patches,
+        profile: &Profile,
+    ) -> Result<Bench, ConsoleFault> {
+        console.load(patches.of(control_loop).clone(), Vec::new(), profile.clone())?;
+        let channels = control_loop.channels().iter();
+        let adc = channels.map(|channel| console.channel(ChannelKind::Adc, channel.adc));
+        Ok(Bench { control_loop, adc: adc.collect::<Result<_, _>>()? })
+    }
+
+    /// The shipped pitch loop.
+    pub fn pitch(console: &mut Console<'_>, profile: &Profile) -> Result<Bench, ConsoleFault> {
+        Bench::load(console, ControlLoop::Pitch, &Patches::shipped(), profile)
+    }
+
+    /// One run from its initial conditions, sampled once a `frame`, with what happened in it.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`]: a refused setting or a lost partner, but not a run that diverges.
+    pub fn run(
+        &self,
+        console: &mut Console<'_>,
+        settings: &Settings,
+        frame: Tick,
+        stop: Tick,
+    ) -> Result<(Response, Vec<Occurrence>), ConsoleFault> {
+        // The initial conditions first: they reset what a stopped run left behind.
+        console.set_ics(owned(settings.initial_conditions()))?;
+        console.preset(&console.settings(&settings.values())?)?;
+        let mut response = Response::new(self.control_loop, frame.secs());
+        let mut saturated = false;
+        let spec = RunSpec {
+            frame,
+            latency: frame,
+            skew: Tick::ZERO,
+            stop,
+            from_ic: true,
+            clock: Clock::LockStep,
+        };
+        let ended = console.run(&spec, &mut |samples: &Samples, _: &mut Updates| {
+            response.push(self.adc.iter().map(|&channel| samples.adc[channel]));
+            saturated |= samples.adc_saturated | samples.dac_saturated != 0
+                || samples.dcu_saturated != [0; 2];
+        });
+        let mut seen = Vec::new();
+        match ended {
+            Ok(last) if last.overloads > 0 => {
+                let overloads = console.diagnose()?.overloads;
+                seen.push(Occurrence::Overloaded(overloads.into_iter().map(|o| o.block).collect()));
+            }
+            Ok(_) => {}
+            Err(ConsoleFault::RunFault { time, fault }) => {
+                seen.push(Occurrence::Stopped { time, fault });
+            }
+            Err(fault) => return Err(fault),
+        }
+        if saturated {
+            seen.push(Occurrence::Saturated);
+        }
+        Ok((response, seen))
+    }
+}
+
+fn owned(values: Vec<(&'static str, f64)>) -> Vec<(String, f64)> {
+    values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 /// Runs a whole plan; `progress` is told the number of runs done.
-///
-/// # Errors
-/// [`ConsoleFault`]: a refused patch or setting, or a lost partner.
 pub fn run(
     console: &mut Console<'_>,
     plan: &Plan,
     patches: &Patches,
     profile: &Profile,
     mut progress: impl FnMut(usize),
-) -> Result<Answers, ConsoleFault> {
-    let mut answers = Answers::default();
-    let spec = spec(plan);
-    if !plan.pitch.is_empty() {
-        let bench = Bench::load(console, &patches.pitch, profile, &PITCH_CHANNELS)?;
-        answers.patches.push(bench.identity(console, &patches.pitch));
-        for (number, case) in plan.pitch.iter().enumerate() {
-            let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;
-            answers.pitch.push(response);
-            answers.remark(ControlLoop::Pitch, number, seen);
-            progress(number + 1);
+) -> Result<Results, ConsoleFault> {
+    let mut runs = Vec::with_capacity(plan.cases.len());
+    let mut hashes = Vec::new();
+    for control_loop in ControlLoop::ALL {
+        let mut cases = plan.of(control_loop).peekable();
+        if cases.peek().is_none() {
+            continue;
+        }
+        let bench = Bench::load(console, control_loop, patches, profile)?;
+        hashes.push((patches.of(control_loop).root.clone(), console.patch_hash().to_owned()));
+        for case in cases {
+            let stop = plan.sample * plan.samples() as i64;
+            let (response, seen) = bench.run(console, &case.settings, plan.sample, stop)?;
+            runs.push(Run::new(plan, case, response, seen));
+            progress(runs.len());
         }
     }
-    if !plan.yaw_roll.is_empty() {
-        let bench = Bench::load(console, &patches.yaw_roll, profile, &YAW_ROLL_CHANNELS)?;
-        answers.patches.push(bench.identity(console, &patches.yaw_roll));
-        for (number, case) in plan.yaw_roll.iter().enumerate() {
-            let (response, seen) = bench.run(console, plan.sample_s, &spec, &case.settings)?;
-            answers.yaw_roll.push(response);
-            answers.remark(ControlLoop::YawRoll, number, seen);
-            progress(plan.pitch.len() + number + 1);
-        }
-    }
-    Ok(answers)
-}
-
-impl Answers {
-    fn remark(&mut self, control_loop: ControlLoop, run: usize, seen: Vec<Occurrence>) {
-        let remarks = seen.into_iter().map(|what| Remark { control_loop, run, what });
-        self.remarks.extend(remarks);
-    }
-}
-
-/// Frames are the samples of the study. A study's interval is whole milliseconds, so
-/// that its ticks are exact.
-fn spec(plan: &Plan) -> RunSpec {
-    let frame = Tick((plan.sample_s * 1e9).round() as i64);
-    RunSpec {
-        frame,
-        latency: frame,
-        skew: Tick::ZERO,
-        stop: frame * plan.samples() as i64,
-        from_ic: true,
-        clock: Clock::LockStep,
-    }
+    Ok(Results { plan: plan.clone(), runs, patches: hashes })
 }

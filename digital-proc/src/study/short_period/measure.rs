@@ -1,13 +1,13 @@
-//! The measures of each run of the plan, ready to be judged and tabulated.
+//! The measures of a run, ready to be judged and tabulated.
 
-use super::coefficients::Plane;
+use super::coefficients::{Plane, Settings};
+use super::control_loop::{Response, Test};
 use super::linear::{ChannelGains, PlaneRoots, plane_roots};
 use super::metrics::{
     Window, detrended_peak_to_peak, envelope, first_beyond_s, longest_run_s, overshoot, settling_s,
     time_beyond_s,
 };
-use super::plan::{PitchCase, Plan, YawRollCase};
-use super::response::{PitchResponse, YawRollResponse};
+use super::plan::{Case, Plan};
 
 /// Window of the residual oscillation, s.
 pub const RESIDUAL: Window = Window { from_s: 5.0, to_s: 10.0 };
@@ -26,76 +26,118 @@ pub const YAW_BAND_DEG: f64 = 0.2;
 /// Band of roll settling, deg.
 pub const ROLL_BAND_DEG: f64 = 0.5;
 /// Yaw's share of the tips below which they count as given to roll (criterion Y1).
-pub const YAW_SHARE: f64 = 0.1;
+const YAW_SHARE: f64 = 0.1;
 /// Thrust-vector force that counts as called in, as a fraction of its maximum (Y2).
-pub const CALLED_IN: f64 = 0.2;
+const CALLED_IN: f64 = 0.2;
 /// Roll error that counts as fallen, as a fraction of its initial value (Y3).
-pub const ROLL_FALLEN: f64 = 0.25;
+const ROLL_FALLEN: f64 = 0.25;
 
-/// What is measured of one pitch run. `None` where a run does not allow the measure.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct PitchMeasures {
-    /// Overshoot as a fraction of the step (only of undisturbed runs).
-    pub overshoot: Option<f64>,
-    /// Time from which θ stays within 5 % of the step about its final value, s.
-    pub settling_s: Option<f64>,
-    /// Residual oscillation 5–10 s as a fraction of the step.
-    pub residual: Option<f64>,
+/// What is measured of one run. `None` where the run does not allow the measure, or its loop
+/// has no such thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measures {
+    /// Roots of the plane with both channels linear.
+    pub roots: PlaneRoots,
     /// Bending envelope in the three windows, m.
     pub bending_m: [Option<f64>; 3],
-    /// Time for which the tips are saturated, s.
-    pub tip_saturation_s: f64,
-    /// Time for which the thrust vector is saturated, s.
-    pub tvc_saturation_s: f64,
-    /// Greatest |α|, rad.
-    pub greatest_incidence_rad: f64,
+    /// Time from which the attitude (θ or ψ) stays within its band about its final value, s.
+    pub settling_s: Option<f64>,
+    /// Overshoot of θ as a fraction of the step; of a run without disturbances.
+    pub overshoot: Option<f64>,
+    /// Residual oscillation of θ from 5 to 10 s as a fraction of the step.
+    pub residual: Option<f64>,
+    /// Time for which the tips are saturated in pitch, s.
+    pub tip_saturation_s: Option<f64>,
+    /// Time for which the thrust vector is saturated in pitch, s.
+    pub tvc_saturation_s: Option<f64>,
+    /// Greatest |α| in pitch, rad.
+    pub greatest_incidence_rad: Option<f64>,
     /// Tip authority over the static load of misalignment, gust and step: the
     /// thrust vector is needed where it is below 1 and a margin.
     pub tip_authority: f64,
-    /// Roots with both channels linear.
-    #[serde(skip)]
-    pub roots_both: PlaneRoots,
-    /// Roots with the tips alone, inside the dead zone.
-    #[serde(skip)]
-    pub roots_ftc: PlaneRoots,
-    /// Roots with the thrust vector alone, the dead zone ignored.
-    #[serde(skip)]
-    pub roots_tvc: PlaneRoots,
+    /// Longest time with both tips saturated in opposite senses while yaw has less
+    /// than a tenth of them, s.
+    pub tips_given_to_roll_s: Option<f64>,
+    /// First time at which the thrust vector gives a fifth of its force in yaw, s.
+    pub tvc_called_s: Option<f64>,
+    /// When the roll error first falls to a quarter of its initial value, s.
+    pub roll_fallen_s: Option<f64>,
+    /// Greatest share of the tips in yaw after that, fraction of the travel limit.
+    pub yaw_share_after: Option<f64>,
+    /// Roll settling about its final value, s.
+    pub roll_settling_s: Option<f64>,
+    /// Final yaw and roll, rad.
+    pub final_rad: Option<[f64; 2]>,
 }
 
-impl PitchMeasures {
+impl Measures {
     /// Measures a run.
-    pub fn new(plan: &Plan, case: &PitchCase, response: &PitchResponse) -> PitchMeasures {
+    pub fn new(plan: &Plan, case: &Case, response: &Response) -> Measures {
         let sample_s = response.sample_s;
-        let theta = response.theta_rad();
-        let step = plan.step_rad;
-        let plane = &case.settings.plane;
+        let attitude = response.attitude_rad();
+        let Settings { plane, command_rad, roll } = &case.settings;
         let period_s = std::f64::consts::TAU / case.frozen.bending_frequency_radps;
-        PitchMeasures {
-            overshoot: if case.disturbed { None } else { overshoot(theta, step) },
-            settling_s: theta
-                .last()
-                .and_then(|&end| settling_s(theta, sample_s, end, PITCH_BAND * step.abs())),
-            residual: detrended_peak_to_peak(theta, sample_s, RESIDUAL).map(|r| r / step.abs()),
+        let settled =
+            |column: &[f64], band: f64| settling_s(column, sample_s, *column.last()?, band);
+        let none = Measures {
+            roots: plane_roots(plane, ChannelGains::BOTH),
             bending_m: ENVELOPES.map(|w| envelope(response.eta_m(), sample_s, period_s, w)),
-            tip_saturation_s: if plane.ftc_gain == 0.0 {
-                0.0
-            } else {
-                time_beyond_s(response.tip_rad(), sample_s, SATURATED * plane.tip_travel)
-            },
-            tvc_saturation_s: time_beyond_s(
-                response.tvc_force_n(),
-                sample_s,
-                SATURATED * plane.tvc_limit,
-            ),
-            greatest_incidence_rad: response
-                .alpha_rad()
-                .iter()
-                .fold(0.0, |greatest, a| a.abs().max(greatest)),
-            tip_authority: tip_authority(plane, &case.settings.command_rad),
-            roots_both: plane_roots(plane, ChannelGains::BOTH),
-            roots_ftc: plane_roots(plane, ChannelGains::FTC_ONLY),
-            roots_tvc: plane_roots(plane, ChannelGains::TVC_ONLY),
+            settling_s: None,
+            overshoot: None,
+            residual: None,
+            tip_saturation_s: None,
+            tvc_saturation_s: None,
+            greatest_incidence_rad: None,
+            tip_authority: tip_authority(plane, *command_rad),
+            tips_given_to_roll_s: None,
+            tvc_called_s: None,
+            roll_fallen_s: None,
+            yaw_share_after: None,
+            roll_settling_s: None,
+            final_rad: None,
+        };
+        let Some(loop_of_roll) = roll else {
+            let step = plan.step_rad;
+            let beyond = |adc, limit| time_beyond_s(response.of(adc), sample_s, SATURATED * limit);
+            let greatest = |column: &[f64]| column.iter().fold(0.0_f64, |g, v| v.abs().max(g));
+            return Measures {
+                overshoot: overshoot(attitude, step).filter(|_| case.test == Test::StepOnly),
+                settling_s: settled(attitude, PITCH_BAND * step.abs()),
+                residual: detrended_peak_to_peak(attitude, sample_s, RESIDUAL)
+                    .map(|r| r / step.abs()),
+                tip_saturation_s: Some(if plane.ftc_gain == 0.0 {
+                    0.0
+                } else {
+                    beyond("tip_deflection", plane.tip_travel)
+                }),
+                tvc_saturation_s: Some(beyond("tvc_force", plane.tvc_limit)),
+                greatest_incidence_rad: Some(greatest(response.of("angle_of_attack"))),
+                ..none
+            };
+        };
+        let roll = response.of("roll_attitude");
+        let (tip2, tip4) = (response.of("tip2_deflection"), response.of("tip4_deflection"));
+        let travel = plane.tip_travel;
+        let yaw_share = |i: usize| ((tip2[i] + tip4[i]) / 2.0).abs() / travel;
+        let given_to_roll = |i: usize| {
+            tip2[i] * tip4[i] < 0.0
+                && tip2[i].abs().min(tip4[i].abs()) >= SATURATED * travel
+                && yaw_share(i) < YAW_SHARE
+        };
+        let fallen_below = ROLL_FALLEN * loop_of_roll.initial.roll_rad.abs();
+        let fallen = roll.iter().position(|phi| phi.abs() <= fallen_below);
+        let called = CALLED_IN * plane.tvc_limit;
+        let last = |column: &[f64]| column.last().copied().unwrap_or(f64::NAN);
+        Measures {
+            tips_given_to_roll_s: Some(longest_run_s(response.len(), sample_s, given_to_roll)),
+            tvc_called_s: first_beyond_s(response.of("tvc_yaw_force"), sample_s, called),
+            roll_fallen_s: fallen.map(|i| i as f64 * sample_s),
+            yaw_share_after: fallen
+                .map(|from| (from..response.len()).map(yaw_share).fold(0.0_f64, f64::max)),
+            settling_s: settled(attitude, YAW_BAND_DEG.to_radians()),
+            roll_settling_s: settled(roll, ROLL_BAND_DEG.to_radians()),
+            final_rad: Some([last(attitude), last(roll)]),
+            ..none
         }
     }
 
@@ -108,79 +150,11 @@ impl PitchMeasures {
 
 /// Greatest tip moment over the static moment of misalignment, gust and step attitude;
 /// 0 without tips.
-pub fn tip_authority(plane: &Plane, command_rad: &f64) -> f64 {
+fn tip_authority(plane: &Plane, command_rad: f64) -> f64 {
     if plane.ftc_gain == 0.0 {
         return 0.0;
     }
     let tips = plane.ftc_moment * plane.tip_force * plane.tip_travel;
     let load = plane.misalignment + plane.aero_moment * (plane.gust + command_rad);
     if load == 0.0 { f64::INFINITY } else { tips / load.abs() }
-}
-
-/// What is measured of one yaw–roll run.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct YawRollMeasures {
-    /// Longest time with both tips saturated in opposite senses while yaw has less
-    /// than a tenth of them, s.
-    pub tips_given_to_roll_s: f64,
-    /// First time at which the thrust vector gives a fifth of its force, s.
-    pub tvc_called_s: Option<f64>,
-    /// When the roll error first falls to a quarter of its initial value, s.
-    pub roll_fallen_s: Option<f64>,
-    /// Greatest share of the tips in yaw after that, fraction of the travel limit.
-    pub yaw_share_after: Option<f64>,
-    /// Yaw settling about its final value, band 0.2°, s.
-    pub yaw_settling_s: Option<f64>,
-    /// Roll settling about its final value, band 0.5°, s.
-    pub roll_settling_s: Option<f64>,
-    /// Final yaw, rad.
-    pub final_yaw_rad: f64,
-    /// Final roll, rad.
-    pub final_roll_rad: f64,
-    /// Bending envelope in the three windows, m.
-    pub bending_m: [Option<f64>; 3],
-    /// Roots of the yaw plane with both channels linear.
-    #[serde(skip)]
-    pub roots_both: PlaneRoots,
-}
-
-impl YawRollMeasures {
-    /// Measures a run.
-    pub fn new(case: &YawRollCase, response: &YawRollResponse) -> YawRollMeasures {
-        let sample_s = response.sample_s;
-        let (yaw, roll) = (response.yaw_rad(), response.roll_rad());
-        let (tip2, tip4) = (response.tip2_rad(), response.tip4_rad());
-        let travel = case.settings.plane.tip_travel;
-        let yaw_share = |i: usize| ((tip2[i] + tip4[i]) / 2.0).abs() / travel;
-        let given_to_roll = |i: usize| {
-            tip2[i] * tip4[i] < 0.0
-                && tip2[i].abs().min(tip4[i].abs()) >= SATURATED * travel
-                && yaw_share(i) < YAW_SHARE
-        };
-        let fallen_below = ROLL_FALLEN * case.settings.initial.roll_rad.abs();
-        let fallen = roll.iter().position(|phi| phi.abs() <= fallen_below);
-        let period_s = std::f64::consts::TAU / case.frozen.bending_frequency_radps;
-        let settled = |column: &[f64], band_deg: f64| {
-            column.last().and_then(|&end| settling_s(column, sample_s, end, band_deg.to_radians()))
-        };
-        let last = |column: &[f64]| column.last().copied().unwrap_or(f64::NAN);
-        YawRollMeasures {
-            tips_given_to_roll_s: longest_run_s(response.len(), sample_s, given_to_roll),
-            tvc_called_s: first_beyond_s(
-                response.tvc_force_n(),
-                sample_s,
-                CALLED_IN * case.settings.plane.tvc_limit,
-            ),
-            roll_fallen_s: fallen.map(|i| response.time_s(i)),
-            yaw_share_after: fallen.map(|from| {
-                (from..response.len()).map(yaw_share).fold(0.0, |greatest, s| s.max(greatest))
-            }),
-            yaw_settling_s: settled(yaw, YAW_BAND_DEG),
-            roll_settling_s: settled(roll, ROLL_BAND_DEG),
-            final_yaw_rad: last(yaw),
-            final_roll_rad: last(roll),
-            bending_m: ENVELOPES.map(|w| envelope(response.eta_m(), sample_s, period_s, w)),
-            roots_both: plane_roots(&case.settings.plane, ChannelGains::BOTH),
-        }
-    }
 }

@@ -6,11 +6,13 @@
 //! A run is left out where its condition cannot apply (no interval before the
 //! first, no fin tips) or changes nothing.
 
-use super::coefficients::{Disturbance, PitchSettings, YawRollInitial, YawRollSettings};
+use super::coefficients::{Disturbance, Offsets, Settings};
+use super::control_loop::{ControlLoop, Test};
 use super::places::{gyro_stations, locate_all};
 use super::point::FrozenPoint;
 use super::quantity::QUANTITIES;
 use super::study_file::{Condition, GainSource, How, Study, StudyError};
+use interface::Tick;
 use vehicle::Vehicle;
 use vehicle::gain_schedule::{GainSchedule, LoopGains};
 use vehicle::slice::SlicePoint;
@@ -20,18 +22,16 @@ use vehicle::slice::SlicePoint;
 pub struct Plan {
     /// Duration of a run, s.
     pub duration_s: f64,
-    /// Sampling interval, s.
-    pub sample_s: f64,
+    /// Sampling interval, whole milliseconds.
+    pub sample: Tick,
     /// Step command of the pitch test, rad.
     pub step_rad: f64,
     /// The points in the study's order.
     pub points: Vec<PlannedPoint>,
-    /// The conditions in the study's order: name and title.
+    /// The conditions in the study's order.
     pub conditions: Vec<Condition>,
-    /// Pitch runs.
-    pub pitch: Vec<PitchCase>,
-    /// Yaw–roll runs.
-    pub yaw_roll: Vec<YawRollCase>,
+    /// The runs, those of the pitch loop first.
+    pub cases: Vec<Case>,
 }
 
 /// A point found on the flight.
@@ -39,38 +39,23 @@ pub struct Plan {
 pub struct PlannedPoint {
     /// Name.
     pub name: String,
-    /// What it is.
-    pub title: String,
     /// Its slice of the flight.
     pub slice: SlicePoint,
 }
 
-/// One pitch run.
+/// What one run is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PitchCase {
+pub struct Case {
     /// Index of the point.
     pub point: usize,
     /// Index of the condition.
     pub condition: usize,
-    /// With misalignment and gust, or without (for the overshoot).
-    pub disturbed: bool,
+    /// What is tested.
+    pub test: Test,
     /// The point as the condition leaves it.
     pub frozen: FrozenPoint,
     /// Settings of the patch.
-    pub settings: PitchSettings,
-}
-
-/// One yaw–roll run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct YawRollCase {
-    /// Index of the point.
-    pub point: usize,
-    /// Index of the condition.
-    pub condition: usize,
-    /// The point as the condition leaves it.
-    pub frozen: FrozenPoint,
-    /// Settings of the patch, with the allocation of the tips.
-    pub settings: YawRollSettings,
+    pub settings: Settings,
 }
 
 impl Plan {
@@ -78,24 +63,14 @@ impl Plan {
     pub fn new(study: &Study, vehicle: &Vehicle) -> Result<Plan, StudyError> {
         let slices = locate_all(&study.points, study.source(), vehicle)?;
         gyro_stations(study, vehicle)?;
-        let points: Vec<PlannedPoint> = study
-            .points
-            .iter()
-            .zip(slices)
-            .map(|(point, slice)| PlannedPoint {
-                name: point.name.clone(),
-                title: point.title.clone(),
-                slice,
-            })
-            .collect();
+        let named = |slice: SlicePoint| PlannedPoint { name: slice.name.clone(), slice };
         let mut plan = Plan {
             duration_s: study.duration_s,
-            sample_s: f64::from(study.sample_ms) / 1000.0,
+            sample: Tick(i64::from(study.sample_ms) * 1_000_000),
             step_rad: study.pitch.step_deg.to_radians(),
-            points,
+            points: slices.into_iter().map(named).collect(),
             conditions: study.conditions.clone(),
-            pitch: Vec::new(),
-            yaw_roll: Vec::new(),
+            cases: Vec::new(),
         };
         plan.list_runs(study, vehicle);
         Ok(plan)
@@ -103,81 +78,59 @@ impl Plan {
 
     /// Number of samples after the one at zero.
     pub fn samples(&self) -> usize {
-        (self.duration_s / self.sample_s).round() as usize
+        (self.duration_s / self.sample.secs()).round() as usize
+    }
+
+    /// The runs of one loop.
+    pub fn of(&self, control_loop: ControlLoop) -> impl Iterator<Item = &Case> {
+        self.cases.iter().filter(move |case| case.test.control_loop() == control_loop)
     }
 
     fn list_runs(&mut self, study: &Study, vehicle: &Vehicle) {
-        let pitch_test = Disturbance {
-            misalignment: study.pitch.misalignment,
-            gust: study.pitch.gust,
-            cant: 0.0,
+        let (pitch, yaw) = (&study.pitch, &study.yaw_roll);
+        let shaken = Disturbance { misalignment: pitch.misalignment, gust: pitch.gust, cant: 0.0 };
+        let yaw_roll =
+            Disturbance { misalignment: yaw.misalignment, gust: yaw.gust, cant: yaw.cant };
+        let initial = Offsets {
+            yaw_rad: yaw.yaw_deg.to_radians(),
+            yaw_rate_radps: yaw.yaw_rate_dps.to_radians(),
+            roll_rad: yaw.roll_deg.to_radians(),
+            roll_rate_radps: yaw.roll_rate_dps.to_radians(),
         };
-        let test = &study.yaw_roll;
-        let yaw_roll_test =
-            Disturbance { misalignment: test.misalignment, gust: test.gust, cant: test.cant };
-        let initial = YawRollInitial {
-            yaw_rad: test.yaw_deg.to_radians(),
-            yaw_rate_radps: test.yaw_rate_dps.to_radians(),
-            roll_rad: test.roll_deg.to_radians(),
-            roll_rate_radps: test.roll_rate_dps.to_radians(),
-        };
-        let unchanged: Vec<FrozenPoint> = self
-            .points
-            .iter()
-            .map(|p| FrozenPoint::new(vehicle, &p.slice, &p.slice.settings.gains))
-            .collect();
+        let (step_rad, mut cases) = (self.step_rad, Vec::new());
         for (condition, entry) in self.conditions.iter().enumerate() {
-            let changes_something = entry.is_a_change();
-            for (point, planned) in self.points.iter().enumerate() {
-                if entry.points.as_ref().is_some_and(|names| !names.contains(&planned.name)) {
+            for (point, PlannedPoint { name, slice }) in self.points.iter().enumerate() {
+                if entry.points.as_ref().is_some_and(|names| !names.contains(name)) {
                     continue;
                 }
-                let Some(frozen) = entry.freeze(vehicle, &planned.slice) else {
+                let Some(frozen) = entry.freeze(vehicle, slice) else {
                     continue;
                 };
-                let has_ftc = unchanged[point].ftc_gain != 0.0;
-                if (entry.needs_ftc && !has_ftc)
-                    || (changes_something && frozen == unchanged[point])
-                {
+                let unchanged = FrozenPoint::new(vehicle, slice, &slice.settings.gains);
+                let has_ftc = unchanged.ftc_gain != 0.0;
+                if (entry.needs_ftc && !has_ftc) || (entry.is_a_change() && frozen == unchanged) {
                     continue;
                 }
-                if entry.pitch {
-                    let mut add = |disturbed: bool, disturbance: &Disturbance| {
-                        self.pitch.push(PitchCase {
-                            point,
-                            condition,
-                            disturbed,
-                            frozen,
-                            settings: PitchSettings::new(&frozen, disturbance, self.step_rad),
-                        });
+                let tests = [
+                    (Test::Disturbed, entry.pitch),
+                    (Test::StepOnly, entry.pitch && entry.overshoot),
+                    // Without fin tips nothing controls roll: there is no loop to study.
+                    (Test::Shared, entry.yaw_roll && has_ftc),
+                    (Test::Dedicated, entry.yaw_roll && has_ftc && entry.dedicated),
+                ];
+                for (test, _) in tests.into_iter().filter(|(_, asked)| *asked) {
+                    let settings = match test {
+                        Test::Disturbed => Settings::pitch(&frozen, &shaken, step_rad),
+                        Test::StepOnly => Settings::pitch(&frozen, &Disturbance::NONE, step_rad),
+                        Test::Shared => Settings::yaw_roll(&frozen, &yaw_roll, initial, false),
+                        Test::Dedicated => Settings::yaw_roll(&frozen, &yaw_roll, initial, true),
                     };
-                    add(true, &pitch_test);
-                    if entry.overshoot {
-                        add(false, &Disturbance::NONE);
-                    }
-                }
-                // Without fin tips nothing controls roll: there is no loop to study.
-                if entry.yaw_roll && has_ftc {
-                    let mut add = |dedicated: bool| {
-                        self.yaw_roll.push(YawRollCase {
-                            point,
-                            condition,
-                            frozen,
-                            settings: YawRollSettings::new(
-                                &frozen,
-                                &yaw_roll_test,
-                                initial,
-                                dedicated,
-                            ),
-                        });
-                    };
-                    add(false);
-                    if entry.dedicated {
-                        add(true);
-                    }
+                    cases.push(Case { point, condition, test, frozen, settings });
                 }
             }
         }
+        cases.sort_by_key(|case: &Case| case.test.control_loop());
+        self.cases = cases;
     }
 }
 
@@ -273,9 +226,9 @@ mod tests {
         let plan = plan(SHIPPED_TEXT).unwrap();
         let runs = |condition: &str| -> Vec<&str> {
             let index = plan.conditions.iter().position(|c| c.name == condition).unwrap();
-            plan.pitch
+            plan.cases
                 .iter()
-                .filter(|c| c.condition == index && c.disturbed)
+                .filter(|c| c.condition == index && c.test == Test::Disturbed)
                 .map(|c| plan.points[c.point].name.as_str())
                 .collect()
         };
@@ -287,7 +240,7 @@ mod tests {
         assert_eq!(runs("sequencer-stuck")[0], "gain-20");
         assert!(!runs("gains-early").contains(&"burn-out"));
         // No fin tips, no roll control.
-        assert!(plan.yaw_roll.iter().all(|c| c.frozen.time_s >= 17.0));
+        assert!(plan.of(ControlLoop::YawRoll).all(|c| c.frozen.time_s >= 17.0));
     }
 
     #[test]
@@ -298,12 +251,12 @@ mod tests {
              change = [{{ quantity = \"thrust\", times = 0.9 }}, {{ quantity = \"dead-zone\", set = 0.5 }}]\n"
         );
         let plan = plan(&text).unwrap();
-        let case = plan.pitch.last().unwrap();
+        let case = plan.of(ControlLoop::Pitch).last().unwrap();
         assert_eq!(plan.points[case.point].name, "mach-two");
         // 0.5 deg in rad, one rounding each way.
         assert!((case.settings.plane.dead_zone.to_degrees() - 0.5).abs() < 1e-15);
         assert_eq!(case.frozen.thrust_n, 0.9 * plan.points[case.point].slice.airframe.thrust_n);
-        assert!(plan.yaw_roll.iter().all(|c| c.condition != case.condition));
+        assert!(plan.of(ControlLoop::YawRoll).all(|c| c.condition != case.condition));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Numbers as text: significant digits, and typography for pages.
 
-/// `value` rounded to `digits` significant digits (1 to 17), plain between 1e-4 and 1e7
-/// and with an exponent outside. ASCII, for terminals and files.
+/// `value` rounded to `digits` significant digits, plain between 1e-4 and 1e7 and with an exponent
+/// outside; from 17 on as it is, counts without a point. ASCII, for terminals and files.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return value.to_string();
@@ -9,7 +9,10 @@ pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let digits = digits.clamp(1, 17);
+    if digits >= 17 {
+        return value.to_string();
+    }
+    let digits = digits.max(1);
     let scientific = format!("{value:.*e}", digits - 1);
     let Some((mantissa, exponent)) = scientific.split_once('e') else {
         return scientific;
@@ -90,6 +93,7 @@ mod tests {
             (-0.5, 2, "-0.50"),
             (0.0, 4, "0"),
             (9_999_999.9, 3, "1.00e7"),
+            (101.0, 17, "101"),
         ] {
             assert_eq!(significant(value, digits), text);
         }

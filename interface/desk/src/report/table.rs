@@ -70,6 +70,7 @@ impl Heading {
                 'β' => "_beta",
                 'γ' => "_gamma",
                 'ζ' => "_zeta",
+                'η' => "_eta",
                 'λ' => "_lambda",
                 'σ' => "_sigma",
                 'τ' => "_tau",
@@ -309,6 +310,7 @@ mod tests {
             ("Max Qα", "kPa·°", "max_q_alpha_kpa_deg"),
             ("ΔV", "%", "delta_v_percent"),
             ("omega measured", "rad/s", "omega_measured_rad_s"),
+            ("η by 6.5 s", "%", "eta_by_6_5_s_percent"),
             ("greatest |z|", "", "greatest_z"),
             ("design -0.5", "kg", "design_minus_0_5_kg"),
         ] {

@@ -4,13 +4,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
 use super::{RECORD_FILE, RunDirError, RunDirectory, SUMMARY_FILE, holds_record};
 
 /// How far a run got, told by the files that it left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunState {
     /// It wrote its summary.
     Complete,
@@ -21,7 +18,7 @@ pub enum RunState {
 }
 
 /// One line of the list.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunEntry {
     /// The directory's name.
     pub name: String,
@@ -118,7 +115,7 @@ fn begins(name: &str, text: &str) -> bool {
 /// Form of the time with which every name begins.
 const TIME: &str = "0000-00-00T00-00-00";
 
-/// Sorted names of the run directories under `base`.
+/// Names of the run directories under `base`, oldest first.
 fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
     let fail = RunDirError::read(base);
     let entries = match fs::read_dir(base) {
@@ -131,11 +128,14 @@ fn names(base: &Path) -> Result<Vec<String>, RunDirError> {
         let entry = entry.map_err(&fail)?;
         // What cannot be looked into may be a run: it is listed with the reason.
         if holds_record(&entry.path()).unwrap_or(true) {
-            names.push(entry.file_name().to_string_lossy().into_owned());
+            let made = entry.metadata().and_then(|about| about.created()).ok();
+            names.push((entry.file_name().to_string_lossy().into_owned(), made));
         }
     }
-    names.sort_by_key(|name| chronological(name));
-    Ok(names)
+    // Runs of two commands in one second: the one whose directory was made first.
+    let second = |name: &str| name.get(..TIME.len()).unwrap_or(name).to_owned();
+    names.sort_by_key(|(name, made)| (second(name), *made, chronological(name)));
+    Ok(names.into_iter().map(|(name, _)| name).collect())
 }
 
 /// Sorting key: the name with a trailing serial number set apart, so that `-10` follows `-9`.

@@ -21,7 +21,7 @@ mod trace_messages;
 mod trace_reader;
 mod utc;
 
-pub use compare::{Difference, first_difference};
+pub use compare::first_difference;
 pub use curves::Curves;
 pub use error::RunDirError;
 pub use export::write_csv;

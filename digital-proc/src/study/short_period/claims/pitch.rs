@@ -1,8 +1,12 @@
 //! P1 to P6: the pitch loop.
 
-use super::super::outcome::{Outcome, PitchRun};
-use super::{FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW, Worst, both};
-use crate::study::evidence;
+use super::super::control_loop::Test::{Disturbed, StepOnly};
+use super::super::plan::PlannedPoint;
+use super::super::results::{Results, Run};
+use super::{
+    BENDING, BENDING_GROWTH, FIGURE_4, FTC_GAIN_LOST, NORMAL, OVERSHOOTS, TVC_FAST, TVC_SLOW,
+    Worst, both,
+};
 use desk::claim::{Claim, Verdict};
 
 /// Overshoot up to which a response is satisfactory, as a fraction of the step (P1).
@@ -14,9 +18,6 @@ pub const OSCILLATORY: f64 = 0.20;
 /// Bending envelope by 5–6.5 s up to which the mode attenuates, over its first (P5, P6).
 pub const BENDING_MIDDLE: f64 = 0.35;
 const BENDING_LATE: f64 = 0.20;
-/// Up to here the FTC-gain failure is claimed to oscillate, s. Later the TVC alone
-/// is well damped, since its own lead is scheduled up as the thrust falls.
-const P2_UNTIL_S: f64 = 32.5;
 /// Reserve of tip authority over the static load below which the TVC is needed: a
 /// quarter, since tips at their limit leave nothing for damping.
 const AUTHORITY_NEEDED: f64 = 1.25;
@@ -27,14 +28,14 @@ const FAILURE_SENTENCE: &str = "under two of the failure mode conditions (extrem
 const BENDING_SENTENCE: &str =
     "The generalised co-ordinate associated with the first bending mode attenuates rapidly";
 
-pub(super) fn p1(outcome: &Outcome) -> Claim {
-    let overshoot = Worst::of(true, outcome.pitch_under(NORMAL, false), |r| r.measures.overshoot);
-    let residual = Worst::of(true, outcome.pitch_under(NORMAL, true), |r| r.measures.residual);
-    let reduced = outcome.pitch_under("reduced-schedule", false);
-    let reduced = Worst::of(true, reduced, |r| r.measures.overshoot);
+pub(super) fn p1(results: &Results) -> Claim {
+    let overshoot = Worst::greatest(results.under(NORMAL, StepOnly), |r| r.measures.overshoot);
+    let residual = Worst::greatest(results.under(NORMAL, Disturbed), |r| r.measures.residual);
+    let reduced = results.under("reduced-schedule", StepOnly);
+    let reduced = Worst::greatest(reduced, |r| r.measures.overshoot);
     Claim {
         id: "P1".into(),
-        evidence: evidence::OVERSHOOTS,
+        evidence: OVERSHOOTS,
         sentence: "For a step command in pitch, the normal mode response of θ is found to be \
                    quite satisfactory"
             .into(),
@@ -51,23 +52,29 @@ pub(super) fn p1(outcome: &Outcome) -> Claim {
     }
 }
 
-pub(super) fn p2(outcome: &Outcome) -> Claim {
+/// Up to the greatest dynamic pressure the FTC-gain failure is claimed to oscillate. Later the
+/// TVC alone is well damped, since its own lead is scheduled up as the thrust falls.
+pub(super) fn p2(results: &Results) -> Claim {
+    let q_pa = |p: &&PlannedPoint| p.slice.airframe.dynamic_pressure_pa;
+    let peak = results.plan.points.iter().max_by(|a, b| q_pa(a).total_cmp(&q_pa(b)));
+    // To the next half second, beyond the point itself.
+    let until_s = peak.map_or(0.0, |p| (2.0 * p.slice.time_s).ceil() / 2.0);
     let runs = |within: bool| {
-        outcome
-            .pitch_under(FTC_GAIN_LOST, true)
-            .filter(move |r| (r.case.frozen.time_s <= P2_UNTIL_S) == within)
+        results
+            .under(FTC_GAIN_LOST, Disturbed)
+            .filter(move |r| (r.case.frozen.time_s <= until_s) == within)
     };
-    let claimed = Worst::of(false, runs(true), |r| r.measures.residual);
+    let claimed = Worst::least(runs(true), |r| r.measures.residual);
     let later: Vec<&str> = runs(false)
         .filter(|r| r.measures.residual.is_some_and(|v| v < OSCILLATORY))
         .map(|r| r.point.as_str())
         .collect();
     Claim {
         id: "P2".into(),
-        evidence: evidence::FIGURE_4,
+        evidence: FIGURE_4,
         sentence: FAILURE_SENTENCE.into(),
         criterion: format!(
-            "FTC gain × 0.05: residual oscillation ≥ {:.0} % of the step from FTC switch-in to {P2_UNTIL_S} s",
+            "FTC gain × 0.05: residual oscillation ≥ {:.0} % of the step from FTC switch-in to {until_s} s",
             100.0 * OSCILLATORY
         ),
         measured: format!("least {}", claimed.percent()),
@@ -81,17 +88,17 @@ pub(super) fn p2(outcome: &Outcome) -> Claim {
     }
 }
 
-pub(super) fn p3(outcome: &Outcome) -> Claim {
+pub(super) fn p3(results: &Results) -> Claim {
     let residual = |upper: bool, needed: bool| {
-        let runs = outcome
-            .pitch_under(TVC_SLOW, true)
+        let runs = results
+            .under(TVC_SLOW, Disturbed)
             .filter(|r| (r.measures.tip_authority < AUTHORITY_NEEDED) == needed);
         Worst::of(upper, runs, |r| r.measures.residual)
     };
     let (needed, elsewhere) = (residual(false, true), residual(true, false));
     Claim {
         id: "P3".into(),
-        evidence: evidence::FIGURE_4,
+        evidence: FIGURE_4,
         sentence: FAILURE_SENTENCE.into(),
         criterion: format!(
             "TVC pole 10 → 1 rad/s: residual oscillation ≥ {:.0} % of the step wherever the TVC is \
@@ -106,19 +113,19 @@ pub(super) fn p3(outcome: &Outcome) -> Claim {
     }
 }
 
-pub(super) fn p4(outcome: &Outcome) -> Claim {
+pub(super) fn p4(results: &Results) -> Claim {
     // Growth: each window above the one before; the least of the two ratios counts.
-    let growth = |r: &PitchRun| {
+    let growth = |r: &Run| {
         let middle = r.measures.bending_ratio(1)?;
         let late = r.measures.bending_ratio(2)?;
         Some(middle.min(late / middle))
     };
     let runs = |tips: bool| {
-        outcome
-            .pitch_under(TVC_FAST, true)
+        results
+            .under(TVC_FAST, Disturbed)
             .filter(move |r| (r.case.settings.plane.ftc_gain != 0.0) == tips)
     };
-    let claimed = Worst::of(false, runs(false), growth);
+    let claimed = Worst::least(runs(false), growth);
     // A ratio of exactly one is no growth.
     let verdict = claimed.against(1.0_f64.next_up());
     let later: Vec<&str> = runs(true)
@@ -127,7 +134,7 @@ pub(super) fn p4(outcome: &Outcome) -> Claim {
         .collect();
     Claim {
         id: "P4".into(),
-        evidence: evidence::BENDING_GROWTH,
+        evidence: BENDING_GROWTH,
         sentence: FAILURE_SENTENCE.into(),
         criterion: "TVC time constant 0.1 → 0.005 s: the bending envelope grows from window to \
                     window before the fin tips are switched in"
@@ -141,16 +148,16 @@ pub(super) fn p4(outcome: &Outcome) -> Claim {
     }
 }
 
-fn bending<'a>(outcome: &'a Outcome, condition: &str, window: usize) -> Worst<'a> {
-    let runs = outcome.pitch_under(condition, true);
-    Worst::of(true, runs, |r| r.measures.bending_ratio(window))
+fn bending<'a>(results: &'a Results, condition: &str, window: usize) -> Worst<'a> {
+    let runs = results.under(condition, Disturbed);
+    Worst::greatest(runs, |r| r.measures.bending_ratio(window))
 }
 
-pub(super) fn p5(outcome: &Outcome) -> Claim {
-    let (middle, late) = (bending(outcome, NORMAL, 1), bending(outcome, NORMAL, 2));
+pub(super) fn p5(results: &Results) -> Claim {
+    let (middle, late) = (bending(results, NORMAL, 1), bending(results, NORMAL, 2));
     Claim {
         id: "P5".into(),
-        evidence: evidence::BENDING,
+        evidence: BENDING,
         sentence: BENDING_SENTENCE.into(),
         criterion: format!(
             "normal mode, every point: bending envelope ≤ {:.0} % of its first by 5–6.5 s and ≤ {:.0} % by 8–9.5 s",
@@ -163,11 +170,11 @@ pub(super) fn p5(outcome: &Outcome) -> Claim {
     }
 }
 
-pub(super) fn p6(outcome: &Outcome) -> Claim {
-    let middle = bending(outcome, FTC_GAIN_LOST, 1);
+pub(super) fn p6(results: &Results) -> Claim {
+    let middle = bending(results, FTC_GAIN_LOST, 1);
     Claim {
         id: "P6".into(),
-        evidence: evidence::BENDING,
+        evidence: BENDING,
         sentence: BENDING_SENTENCE.into(),
         criterion: format!(
             "FTC gain × 0.05, every point with fin tips: bending envelope ≤ {:.0} % of its first by 5–6.5 s",

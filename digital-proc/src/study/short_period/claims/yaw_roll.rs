@@ -1,22 +1,20 @@
 //! Y1 to Y4: the yaw and roll loops sharing the tips.
 
+use super::super::control_loop::Test::{Dedicated, Shared};
 use super::super::measure::{ROLL_BAND_DEG, YAW_BAND_DEG};
-use super::super::outcome::{Outcome, YawRollRun};
-use super::{NORMAL, Worst};
-use crate::study::evidence;
+use super::super::results::{Results, Run};
+use super::{FIGURE_5, NORMAL, Worst};
 use desk::claim::Claim;
 
 const GIVEN_TO_ROLL_S: f64 = 0.15;
 const CALLED_WITHIN_S: f64 = 0.6;
 const SHARE_AFTER: f64 = 0.20;
 
-pub(super) fn y1(outcome: &Outcome) -> Claim {
-    let held = Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| {
-        Some(r.measures.tips_given_to_roll_s)
-    });
+pub(super) fn y1(results: &Results) -> Claim {
+    let held = Worst::least(results.under(NORMAL, Shared), |r| r.measures.tips_given_to_roll_s);
     Claim {
         id: "Y1".into(),
-        evidence: evidence::FIGURE_5,
+        evidence: FIGURE_5,
         sentence: "the fin tips get first allocated to the roll channel and saturate".into(),
         criterion: format!(
             "both tips ≥ 95 % of their limit in opposite senses for at least {GIVEN_TO_ROLL_S} s while yaw's share is under 10 %"
@@ -27,12 +25,11 @@ pub(super) fn y1(outcome: &Outcome) -> Claim {
     }
 }
 
-pub(super) fn y2(outcome: &Outcome) -> Claim {
-    let called =
-        Worst::of(true, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.tvc_called_s);
+pub(super) fn y2(results: &Results) -> Claim {
+    let called = Worst::greatest(results.under(NORMAL, Shared), |r| r.measures.tvc_called_s);
     Claim {
         id: "Y2".into(),
-        evidence: evidence::FIGURE_5,
+        evidence: FIGURE_5,
         sentence: "… calling in the TVC for the yaw axis".into(),
         criterion: format!(
             "thrust-vector yaw force above 20 % of its maximum within {CALLED_WITHIN_S} s"
@@ -43,12 +40,11 @@ pub(super) fn y2(outcome: &Outcome) -> Claim {
     }
 }
 
-pub(super) fn y3(outcome: &Outcome) -> Claim {
-    let share =
-        Worst::of(false, outcome.yaw_roll_under(NORMAL, false), |r| r.measures.yaw_share_after);
+pub(super) fn y3(results: &Results) -> Claim {
+    let share = Worst::least(results.under(NORMAL, Shared), |r| r.measures.yaw_share_after);
     Claim {
         id: "Y3".into(),
-        evidence: evidence::FIGURE_5,
+        evidence: FIGURE_5,
         sentence: "Fin tips become effective in yaw after the roll error is reduced".into(),
         criterion: format!(
             "after roll has fallen to a quarter, tips above {:.0} % of their limit in yaw",
@@ -60,24 +56,21 @@ pub(super) fn y3(outcome: &Outcome) -> Claim {
     }
 }
 
-pub(super) fn y4(outcome: &Outcome) -> Claim {
-    let shared = |r: &YawRollRun| {
-        outcome.yaw_roll_under(NORMAL, false).find(|shared| shared.point == r.point)
-    };
-    let both = outcome.yaw_roll_under(NORMAL, true).filter(|r| shared(r).is_some());
+pub(super) fn y4(results: &Results) -> Claim {
+    let shared = |r: &Run| results.under(NORMAL, Shared).find(|shared| shared.point == r.point);
+    let both = results.under(NORMAL, Dedicated).filter(|r| shared(r).is_some());
     // Gain in settling time: shared minus dedicated, at each point with both runs.
-    let gain = Worst::of(false, both, |dedicated| {
-        match [shared(dedicated)?, dedicated].map(|r| r.measures.yaw_settling_s) {
+    let gain = Worst::least(both, |dedicated| {
+        match [shared(dedicated)?, dedicated].map(|r| r.measures.settling_s) {
             [Some(shared), Some(dedicated)] => Some(shared - dedicated),
             [None, Some(_)] => Some(f64::INFINITY),
             [_, None] => None,
         }
     });
-    let roll =
-        Worst::of(true, outcome.yaw_roll_under(NORMAL, true), |r| r.measures.roll_settling_s);
+    let roll = Worst::greatest(results.under(NORMAL, Dedicated), |r| r.measures.roll_settling_s);
     Claim {
         id: "Y4".into(),
-        evidence: evidence::FIGURE_5,
+        evidence: FIGURE_5,
         sentence:
             "using the fin tips exclusively for the roll channel and the TVC correspondingly \
                    for the yaw stabilisation … may eliminate yaw-roll interaction and achieve \

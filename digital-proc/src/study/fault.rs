@@ -1,0 +1,32 @@
+//! Why a study could not be completed.
+
+use super::short_period::study_file::StudyError;
+use crate::{flight::FlightFault, linkage::console::ConsoleFault};
+use desk::faults::FileFaults;
+use vehicle::table::TableError;
+
+/// What ends a study. A run that diverges, or a flight that is lost, does not.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyFault {
+    /// The machine or its link.
+    #[error(transparent)]
+    Console(#[from] ConsoleFault),
+    /// A flight could not be flown at all.
+    #[error(transparent)]
+    Flight(#[from] FlightFault),
+    /// The trajectory points, or the nominal flight from which they are frozen.
+    #[error(transparent)]
+    Points(#[from] StudyError),
+    /// A schedule that the vehicle refuses.
+    #[error(transparent)]
+    Vehicle(#[from] FileFaults),
+    /// The wind of the vehicle's data.
+    #[error("the wind profile cannot be made: {0}")]
+    Wind(#[from] TableError),
+    /// The flight that everything is measured against was lost.
+    #[error("the undisturbed normal flight was lost: {0}; nothing can be compared with it")]
+    NominalLost(String),
+    /// The vehicle's burn time.
+    #[error("the vehicle's burn time of {0} s is out of range")]
+    BurnTime(f64),
+}
