@@ -141,7 +141,7 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// Folded operations with every coefficient unit at one; [`Kernel::load`] sets them.
+    /// Folded operations with every coefficient unit at one; `Machine::load` sets them.
     pub fn steps(&self) -> Vec<Step> {
         self.steps.clone()
     }

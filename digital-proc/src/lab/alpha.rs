@@ -1,6 +1,6 @@
 //! The paper's figure 1: the angle of attack sampled, or from redundant integrators.
 //!
-//! Equations and the reading of the figure are in [`theory::alpha`](super::theory::alpha).
+//! Equations and the reading of the figure are in [`theory::alpha`].
 //! Channels: ADC 0 rate, ADC 1 redundant angle; DAC 0 moment, DAC 1 force, DAC 2 correction. The
 //! tables end at ±1 rad; the record of a run that diverges ends where the angle leaves them, since
 //! beyond there the loop is another one.

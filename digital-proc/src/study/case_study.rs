@@ -108,6 +108,7 @@ impl CaseResults {
         if let Some(dispersions) = &plan.dispersions {
             sensitivity::outcome::fill(&self.sensitivity, dispersions, &mut out);
         }
+        out.claims_on_terminal();
         re_evaluated(&mut out.claims);
         let not_judged = out.claims.iter().filter(|c| c.verdict == Verdict::NotJudged);
         let not_judged: Vec<&str> = not_judged.map(|c| &*c.id).collect();

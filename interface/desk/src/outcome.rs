@@ -130,6 +130,17 @@ impl Outcome {
         SectionOf(&mut self.sections[at].1)
     }
 
+    /// Leaves all tables and words to the page: where the claims are what a terminal has room for.
+    pub fn claims_on_terminal(&mut self) {
+        for (_, parts) in &mut self.sections {
+            for part in parts {
+                if let Part::Table { on_terminal, .. } | Part::Words { on_terminal, .. } = part {
+                    *on_terminal = false;
+                }
+            }
+        }
+    }
+
     /// The tables by name.
     pub fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
         self.parts().filter_map(|part| match part {
