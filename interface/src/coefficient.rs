@@ -28,9 +28,6 @@ pub struct Setting {
 
 impl CoefficientUnit {
     /// A unit of `bits` bits and range ±`range`; `None` switches a stage off.
-    ///
-    /// # Errors
-    /// [`ConverterError`] for numbers out of range, or bits without a range.
     pub fn new(bits: Option<u32>, range: Option<f64>) -> Result<CoefficientUnit, ConverterError> {
         match (bits, range) {
             (_, Some(range)) if !(range.is_finite() && range >= f64::MIN_POSITIVE) => {

@@ -53,9 +53,6 @@ pub struct Converter {
 
 impl Converter {
     /// A converter of `bits` bits and range ±`full_scale`; `None` switches a stage off.
-    ///
-    /// # Errors
-    /// [`ConverterError`] for numbers out of range, or bits without a full scale.
     pub fn new(bits: Option<u32>, full_scale: Option<f64>) -> Result<Converter, ConverterError> {
         if let Some(scale) = full_scale
             && !(scale.is_finite() && scale >= f64::MIN_POSITIVE)

@@ -215,26 +215,17 @@ impl Profile {
     }
 
     /// The ADC of a channel whose full scale is the block's `max`, problem units.
-    ///
-    /// # Errors
-    /// [`ConverterError`] when the profile has bits and the block no `max`.
     pub fn adc_converter(&self, full_scale: Option<f64>) -> Result<Converter, ConverterError> {
         converter(self.adc.bits.as_ref(), full_scale)
     }
 
     /// The DAC of a channel, likewise.
-    ///
-    /// # Errors
-    /// As [`Profile::adc_converter`].
     pub fn dac_converter(&self, full_scale: Option<f64>) -> Result<Converter, ConverterError> {
         converter(self.dac.bits.as_ref(), full_scale)
     }
 
     /// A digital coefficient unit scaled for `range`, or else for the profile's own
     /// range. A profile without bits sets every coefficient exactly.
-    ///
-    /// # Errors
-    /// [`ConverterError`] when the profile has bits and there is no range.
     pub fn coefficient_unit(&self, range: Option<f64>) -> Result<CoefficientUnit, ConverterError> {
         let own = self.dcu.range.as_ref().map(|range| range.value);
         match &self.dcu.bits {

@@ -163,9 +163,6 @@ impl Protocol {
     }
 
     /// A request crosses.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] when it has no place now, or is a greeting of another build.
     pub fn request(&mut self, request: &Request) -> Result<(), ProtocolError> {
         match (&self.phase, request) {
             (Phase::Greeting | Phase::Idle, Request::Hello { version, layout_hash }) => {
@@ -188,9 +185,6 @@ impl Protocol {
     }
 
     /// A reply crosses.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] when nothing was asked, or the reply is of another kind than the request.
     pub fn reply(&mut self, reply: &Reply) -> Result<(), ProtocolError> {
         let Phase::Answering(pending) = &self.phase else {
             return self.out_of_order(reply_name(reply));
@@ -244,9 +238,6 @@ impl Protocol {
     }
 
     /// Samples cross. `Ended` and `Faulted` lead back to requests; the machine then holds.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] when no run operates, an update is still due, or the number is not the next.
     pub fn samples(&mut self, frame: u64, state: RunState) -> Result<(), ProtocolError> {
         let skip = self.may_skip();
         let Phase::Operating(run) = &mut self.phase else {
@@ -281,10 +272,6 @@ impl Protocol {
     }
 
     /// Updates cross.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] when no run operates, or the number is not that of the last samples
-    /// (on the wall clock: one between the last updates and the last samples).
     pub fn updates(&mut self, frame: u64) -> Result<(), ProtocolError> {
         let skip = self.may_skip();
         let Phase::Operating(run) = &mut self.phase else {

@@ -31,10 +31,21 @@ enum Share {
     Alone(#[expect(dead_code, reason = "a guard")] RwLockWriteGuard<'static, ()>),
 }
 
-/// The digital processor's binary.
 pub const DIGITAL: &str = env!("CARGO_BIN_EXE_digital-proc");
-/// The analog processor's binary.
 pub const ANALOG: &str = env!("CARGO_BIN_EXE_analog-proc");
+
+const STIFF_PATCH: &str = r#"
+title = "stiff"
+[blocks]
+s = { kind = "integrator", in = ["c", "0 * u"], ic = 0.0 }
+c = { kind = "integrator", in = ["-1 * s"], ic = 1.0 }
+x = { kind = "integrator", in = ["-1e13 * x", "1e13 * c"], ic = 1.0 }
+a = { kind = "adc", in = ["x"], channel = 0, max = 2.0 }
+u = { kind = "dac", channel = 0, max = 2.0 }
+"#;
+
+/// In which a side must notice that the other has died, or that it is told to end.
+pub const NOTICE: Duration = Duration::from_secs(1);
 
 impl BenchTop {
     pub fn new() -> BenchTop {
@@ -80,6 +91,32 @@ impl BenchTop {
         command
     }
 
+    /// An analog side that waits in a session of this name.
+    pub fn serve(&self, name: &str) -> Child {
+        let serve = self.command(ANALOG, &["serve", "--session", name]).spawn().unwrap();
+        let root = self.base().join(format!("{name}.session"));
+        until("the session", Duration::from_secs(10), || root.is_dir().then_some(()));
+        serve
+    }
+
+    /// Runs to a good end; the one run directory that the command made, and its output.
+    pub fn made(&self, command: &mut Command) -> (PathBuf, Output) {
+        let before = self.run_directories();
+        let output = expect(command, 0);
+        let mut new = self.run_directories();
+        new.retain(|d| !before.contains(d));
+        assert_eq!(new.len(), 1, "{new:?}");
+        (new.remove(0), output)
+    }
+
+    /// A patch whose frames never end: x follows a cosine at 1e13 a second, 3e12 steps a second.
+    pub fn stiff_patch(&self) -> PathBuf {
+        std::fs::create_dir_all(self.runs()).unwrap();
+        let path = self.runs().join("stiff.toml");
+        std::fs::write(&path, STIFF_PATCH).unwrap();
+        path
+    }
+
     /// Run directories in the order of their names.
     pub fn run_directories(&self) -> Vec<PathBuf> {
         let mut found: Vec<PathBuf> = std::fs::read_dir(self.runs())
@@ -110,14 +147,33 @@ pub fn with_console<T>(work: impl FnOnce(&mut Console<'_>) -> T) -> T {
 /// Runs to the end and fails the test unless it exits with `code`.
 pub fn expect(command: &mut Command, code: i32) -> Output {
     let output = command.output().unwrap();
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "{command:?}\n{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(code), "{command:?}\n{said}{}", stderr(&output));
     output
+}
+
+/// What a process told of its faults.
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Programs that do nothing but compute; killed and reaped when dropped.
+pub struct Busy(Vec<Child>);
+
+impl Busy {
+    pub fn programs(n: usize) -> Busy {
+        let spin = || Command::new("sh").args(["-c", "while :; do :; done"]).spawn();
+        Busy((0..n).map(|_| spin().unwrap()).collect())
+    }
+}
+
+impl Drop for Busy {
+    fn drop(&mut self) {
+        for program in &mut self.0 {
+            let _ = program.kill();
+            let _ = program.wait();
+        }
+    }
 }
 
 /// Waits for a child, at most `limit`; kills it and fails the test beyond that.
@@ -127,7 +183,7 @@ pub fn wait_within(mut child: Child, limit: Duration) -> (Output, Duration) {
         if started.elapsed() > limit {
             child.kill().unwrap();
             let output = child.wait_with_output().unwrap();
-            panic!("still running after {limit:?}: {}", String::from_utf8_lossy(&output.stderr));
+            panic!("still running after {limit:?}: {}", stderr(&output));
         }
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -176,14 +232,9 @@ pub fn partner_of(child: &Child) -> u32 {
 
 /// Rows of a trace that can be read, whether it was ended or cut off.
 pub fn trace_rows(directory: &Path) -> usize {
-    desk::run_dir::RunDirectory::open(directory)
-        .map(|d| d.read_trace().unwrap().rows())
-        .unwrap_or_else(|_| {
-            desk::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
-        })
+    desk::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
 }
 
-/// Sends a signal.
 pub fn signal(pid: u32, signal: rustix::process::Signal) {
     let pid = rustix::process::Pid::from_raw(pid as i32).unwrap();
     // The target may have ended by itself in this very moment.

@@ -1,13 +1,10 @@
 //! A flight gives the same trace to the last bit, whatever joins or loads the two sides.
 
-use crate::bench_top::{BenchTop, expect};
+use crate::bench_top::{BenchTop, Busy};
 use std::process::Command;
 
 fn trace_of(command: &mut Command, bench: &BenchTop) -> Vec<u8> {
-    let before = bench.run_directories();
-    expect(command, 0);
-    let new = bench.run_directories().into_iter().find(|d| !before.contains(d)).unwrap();
-    std::fs::read(new.join("trace.arrow")).unwrap()
+    std::fs::read(bench.made(command).0.join("trace.arrow")).unwrap()
 }
 
 /// The same command on one core only.
@@ -54,19 +51,8 @@ fn two_hundred_repeats_are_identical() {
 fn load_on_both_cores_changes_nothing() {
     let bench = BenchTop::new();
     let quiet = trace_of(&mut bench.fly(&["--until", "10s"]), &bench);
-    let stop = std::sync::atomic::AtomicBool::new(false);
-    let loaded = std::thread::scope(|scope| {
-        for _ in 0..4 {
-            scope.spawn(|| {
-                while !stop.load(std::sync::atomic::Ordering::Relaxed) {
-                    std::hint::spin_loop();
-                }
-            });
-        }
-        let loaded =
-            std::panic::catch_unwind(|| trace_of(&mut bench.fly(&["--until", "10s"]), &bench));
-        stop.store(true, std::sync::atomic::Ordering::Relaxed);
-        loaded.unwrap()
-    });
+    let busy = Busy::programs(4);
+    let loaded = trace_of(&mut bench.fly(&["--until", "10s"]), &bench);
+    drop(busy);
     assert!(quiet == loaded);
 }

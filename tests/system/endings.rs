@@ -1,30 +1,15 @@
 //! How a command ends that is told to, or whose output goes nowhere.
 
-use crate::bench_top::{ANALOG, BenchTop, DIGITAL, partner_of, runs, signal, until, wait_within};
+use crate::bench_top::{
+    ANALOG, BenchTop, DIGITAL, NOTICE, partner_of, runs, signal, stderr, trace_rows, wait_within,
+};
 use rustix::process::Signal;
-use std::{fs::OpenOptions, path::PathBuf, process::Command, time::Duration};
+use std::{fs::OpenOptions, process::Command, time::Duration};
 
 /// Each ends a run in good order.
 const SIGNALS: [Signal; 4] = [Signal::INT, Signal::TERM, Signal::HUP, Signal::QUIT];
-const NOTICE: Duration = Duration::from_secs(1);
 const INTERRUPTED: Option<i32> = Some(130);
 const OUTPUT_FAILED: Option<i32> = Some(4);
-
-/// x follows a cosine at 1e13 a second: 3e12 steps a second.
-const STIFF_PATCH: &str = r#"
-title = "stiff"
-[blocks]
-s = { kind = "integrator", in = ["c"], ic = 0.0 }
-c = { kind = "integrator", in = ["-1 * s"], ic = 1.0 }
-x = { kind = "integrator", in = ["-1e13 * x", "1e13 * c"], ic = 1.0 }
-"#;
-
-fn stiff_patch(bench: &BenchTop) -> PathBuf {
-    std::fs::create_dir_all(bench.runs()).unwrap();
-    let path = bench.runs().join("stiff.toml");
-    std::fs::write(&path, STIFF_PATCH).unwrap();
-    path
-}
 
 /// A file that is always full.
 fn full() -> std::process::Stdio {
@@ -42,14 +27,12 @@ fn every_ending_signal_ends_a_flight_and_an_idle_session() {
         signal(flight.id(), ending);
         let (output, took) = wait_within(flight, Duration::from_secs(10));
         assert_eq!(output.status.code(), INTERRUPTED, "{ending:?}");
+        assert!(stderr(&output).contains("interrupted"), "{ending:?}: {}", stderr(&output));
         assert!(took < NOTICE && !runs(analog), "{ending:?}: {took:?}");
+        assert!(trace_rows(&bench.run_directories()[0]) > 0);
         bench.assert_clean();
 
-        let serve = ["serve", "--session", "idle"];
-        let serve = bench.command(ANALOG, &serve).spawn().unwrap();
-        until("the session", Duration::from_secs(5), || {
-            bench.base().join("idle.session").is_dir().then_some(())
-        });
+        let serve = bench.serve("idle");
         std::thread::sleep(Duration::from_millis(50));
         signal(serve.id(), ending);
         let (output, took) = wait_within(serve, Duration::from_secs(10));
@@ -62,7 +45,7 @@ fn every_ending_signal_ends_a_flight_and_an_idle_session() {
 #[test]
 fn a_run_that_integrates_heeds_signals_and_keeps_its_rows() {
     let bench = BenchTop::alone();
-    let patch = stiff_patch(&bench);
+    let patch = bench.stiff_patch();
     for ending in SIGNALS {
         let out = bench.runs().join("rows.csv");
         let run = bench
@@ -73,7 +56,7 @@ fn a_run_that_integrates_heeds_signals_and_keeps_its_rows() {
         std::thread::sleep(Duration::from_millis(300));
         signal(run.id(), ending);
         let (output, took) = wait_within(run, Duration::from_secs(10));
-        let text = String::from_utf8_lossy(&output.stderr);
+        let text = stderr(&output);
         assert_eq!(output.status.code(), INTERRUPTED, "{ending:?}: {text}");
         assert!(text.contains("interrupted") && text.contains(" s"), "{text}");
         assert!(took < NOTICE, "{ending:?}: {took:?}");
@@ -101,7 +84,7 @@ fn a_full_standard_output_is_told_and_no_panic() {
     for (binary, args) in all.chain(digital.map(|args| (DIGITAL, args))) {
         let mut command: Command = bench.command(binary, args);
         let output = command.stdout(full()).output().unwrap();
-        let text = String::from_utf8_lossy(&output.stderr);
+        let text = stderr(&output);
         assert_eq!(output.status.code(), OUTPUT_FAILED, "{args:?}: {text}");
         assert!(text.contains("No space left"), "{args:?}: {text}");
         assert!(!text.contains("panicked"), "{args:?}: {text}");
@@ -122,7 +105,7 @@ fn what_cannot_be_written_leaves_no_half_file() {
         bench.runs().display()
     );
     let output = bench.command("bash", &["-c", &shell]).output().unwrap();
-    let text = String::from_utf8_lossy(&output.stderr);
+    let text = stderr(&output);
     assert_eq!(output.status.code(), OUTPUT_FAILED, "{text}");
     assert!(text.contains("cannot write"), "{text}");
     for directory in bench.run_directories() {
@@ -140,7 +123,7 @@ fn too_few_files_are_told_at_once() {
     let shell = format!("ulimit -n 24; exec {DIGITAL} fly --until 100ms");
     let run = bench.command("bash", &["-c", &shell]).spawn().unwrap();
     let (output, _) = wait_within(run, Duration::from_secs(2));
-    let text = String::from_utf8_lossy(&output.stderr);
+    let text = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("ulimit -n"), "{text}");
 }

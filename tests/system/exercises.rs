@@ -7,7 +7,6 @@
 //! if it is the number found, rounded to the digits that the text shows.
 
 use crate::bench_top::{ANALOG, BenchTop, DIGITAL, wait_within};
-use interface::control::PatchBundle;
 use std::{
     path::{Path, PathBuf},
     process::{Command, Stdio},
@@ -167,105 +166,39 @@ fn run_chapter(heading: &str) {
     }
 }
 
-/// The chapters with commands, each with a test below.
-const TESTED: [&str; 9] = [
-    "The language",
-    "The shipped patches",
-    "Exercise 1",
-    "Exercise 2",
-    "Exercise 3",
-    "Exercise 4",
-    "Exercise 5",
-    "Exercise 6",
-    "A loop of your own",
-];
+/// A test for each chapter with commands.
+macro_rules! lessons {
+    ($($test:ident $heading:literal)+) => {
+        const TESTED: &[&str] = &[$($heading),+];
+
+        $(
+            #[test]
+            fn $test() {
+                run_chapter($heading);
+            }
+        )+
+    };
+}
+
+lessons! {
+    the_language "The language"
+    the_shipped_patches "The shipped patches"
+    exercise_1_decay "Exercise 1"
+    exercise_2_offset "Exercise 2"
+    exercise_3_scaling "Exercise 3"
+    exercise_4_circle "Exercise 4"
+    exercise_5_redundant_integrator "Exercise 5"
+    exercise_6_gain_schedule "Exercise 6"
+    a_loop_of_your_own "A loop of your own"
+}
 
 #[test]
 fn every_chapter_with_commands_is_run() {
     for chapter in chapters(&teaching_text()) {
         let is_tested = TESTED.iter().any(|t| chapter.heading.starts_with(t));
-        assert!(
-            is_tested || chapter.steps.is_empty(),
-            "no test runs the commands of `{}`",
-            chapter.heading
-        );
+        let heading = chapter.heading;
+        assert!(is_tested || chapter.steps.is_empty(), "no test runs the commands of `{heading}`");
     }
-}
-
-#[test]
-fn the_language() {
-    run_chapter(TESTED[0]);
-}
-
-#[test]
-fn the_shipped_patches() {
-    run_chapter(TESTED[1]);
-}
-
-#[test]
-fn a_loop_of_your_own() {
-    run_chapter(TESTED[8]);
-}
-
-#[test]
-fn exercise_1_decay() {
-    run_chapter(TESTED[2]);
-}
-
-#[test]
-fn exercise_2_offset() {
-    run_chapter(TESTED[3]);
-}
-
-#[test]
-fn exercise_3_scaling() {
-    run_chapter(TESTED[4]);
-}
-
-#[test]
-fn exercise_4_circle() {
-    run_chapter(TESTED[5]);
-}
-
-#[test]
-fn exercise_5_redundant_integrator() {
-    run_chapter(TESTED[6]);
-}
-
-#[test]
-fn exercise_6_gain_schedule() {
-    run_chapter(TESTED[7]);
-}
-
-/// The example in the last column of each row of the table of kinds.
-fn examples(text: &str) -> Vec<&str> {
-    text.lines()
-        .filter(|line| line.starts_with("| `"))
-        .filter_map(|line| {
-            let start = line.rfind("`x")? + 1;
-            let example = line[start..].split('`').next()?;
-            example.contains("{ kind = ").then_some(example)
-        })
-        .collect()
-}
-
-#[test]
-fn every_example_of_a_kind_compiles() {
-    let text = teaching_text();
-    let examples = examples(&text);
-    // Three rows (min and max, sine and cosine, and and or) hold two kinds: 44 rows, 47 kinds.
-    assert!(examples.len() >= 44, "{} examples", examples.len());
-    let nets = "a = { kind = \"constant\", value = 1.0 }\n\
-                b = { kind = \"constant\", value = 2.0 }\n\
-                c = { kind = \"constant\", value = 3.0 }\n\
-                p = { kind = \"control\", line = 1 }\n\
-                q = { kind = \"control\", line = 2 }\n";
-    let patch = format!("[blocks]\n{nets}{}\n", examples.join("\n"));
-    let bundle =
-        PatchBundle { root: "examples.toml".into(), files: vec![("examples.toml".into(), patch)] };
-    let compiled = analog_proc::patch::compile(&bundle, &[]);
-    let ordered = compiled.unwrap_or_else(|faults| panic!("{}", faults.render()));
-    ordered.simulation().unwrap();
 }
 
 #[test]

@@ -1,103 +1,48 @@
 //! Death of either side, at any moment.
 
-use crate::bench_top::{BenchTop, partner_of, runs, signal, trace_rows, until, wait_within};
+use crate::bench_top::{
+    BenchTop, NOTICE, expect, partner_of, runs, signal, stderr, trace_rows, until, wait_within,
+};
 use rustix::process::Signal;
 use std::time::Duration;
 
 /// A flight of some seconds, so that it can be killed on the way.
 const LONG: [&str; 4] = ["--frame", "200us", "--fast", "1"];
-/// In which either side must notice and end.
-const NOTICE: Duration = Duration::from_secs(1);
 
 #[test]
-fn a_killed_analog_side_is_named_and_the_trace_is_kept() {
-    for after_ms in [60, 150, 400] {
-        let bench = BenchTop::alone();
-        let child = bench.fly(&LONG).spawn().unwrap();
-        let analog = partner_of(&child);
-        std::thread::sleep(Duration::from_millis(after_ms));
-        signal(analog, Signal::KILL);
-        let (output, took) = wait_within(child, Duration::from_secs(10));
-        let text = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(3), "{text}");
-        assert!(text.contains("analog-proc") && text.contains("frame"), "{text}");
-        assert!(took < NOTICE, "noticed only after {took:?}");
-        if let Some(directory) = bench.run_directories().first() {
-            // Readable up to its last complete batch, however many that are.
-            let _ = trace_rows(directory);
-        }
-        bench.assert_clean();
-    }
-}
-
-#[test]
-fn a_killed_digital_side_ends_the_analog_one() {
-    for after_ms in [60, 150, 400] {
+fn either_side_may_be_killed_at_any_moment() {
+    let starting = (0..40).map(|step| (Duration::from_micros(500 * step), step % 2 == 0));
+    let flying = [60, 150, 400].map(Duration::from_millis);
+    let flying = flying.into_iter().flat_map(|after| [(after, true), (after, false)]);
+    for (after, kill_analog) in starting.chain(flying) {
         let bench = BenchTop::alone();
         let mut child = bench.fly(&LONG).spawn().unwrap();
         let analog = partner_of(&child);
-        std::thread::sleep(Duration::from_millis(after_ms));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        until("the end of analog-proc", NOTICE, || (!runs(analog)).then_some(()));
-        if after_ms == 400 {
-            assert!(trace_rows(&bench.run_directories()[0]) > 0);
-        }
-        bench.assert_clean();
-    }
-}
-
-#[test]
-fn either_side_may_die_during_start_up() {
-    for step in 0..40_u64 {
-        let bench = BenchTop::alone();
-        let mut child = bench.fly(&LONG).spawn().unwrap();
-        let delay = Duration::from_micros(500 * step);
-        if step % 2 == 0 {
-            let analog = partner_of(&child);
-            std::thread::sleep(delay);
+        std::thread::sleep(after);
+        let is_flying = after > Duration::from_millis(50);
+        if kill_analog {
             signal(analog, Signal::KILL);
             let (output, took) = wait_within(child, Duration::from_secs(10));
-            assert_eq!(
-                output.status.code(),
-                Some(3),
-                "{}",
-                String::from_utf8_lossy(&output.stderr)
-            );
-            assert!(took < NOTICE, "noticed only after {took:?}");
+            let text = stderr(&output);
+            assert_eq!(output.status.code(), Some(3), "{after:?}: {text}");
+            let is_told = text.contains("analog-proc") && text.contains("frame");
+            assert!(is_told || !is_flying, "{after:?}: {text}");
+            assert!(took < NOTICE, "{after:?}: noticed only after {took:?}");
         } else {
-            let analog = partner_of(&child);
-            std::thread::sleep(delay);
             child.kill().unwrap();
             child.wait().unwrap();
             until("the end of analog-proc", NOTICE, || (!runs(analog)).then_some(()));
         }
-        // What both may have left, the next session of this base removes.
-        digital_proc_sweeps(&bench);
+        if is_flying {
+            // Readable up to its last complete batch, however many that are.
+            let rows = bench.run_directories().first().map_or(0, |run| trace_rows(run));
+            assert!(rows > 0 || kill_analog || after < Duration::from_millis(400));
+        } else {
+            // What both may have left, the next session of this base removes.
+            expect(&mut bench.fly(&["--until", "100ms"]), 0);
+        }
         bench.assert_clean();
     }
-}
-
-/// A following session removes what dead ones left.
-fn digital_proc_sweeps(bench: &BenchTop) {
-    let output = bench.fly(&["--until", "100ms"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-}
-
-#[test]
-fn an_interrupt_ends_both_sides_cleanly() {
-    let bench = BenchTop::alone();
-    let child = bench.fly(&LONG).spawn().unwrap();
-    let analog = partner_of(&child);
-    std::thread::sleep(Duration::from_millis(200));
-    signal(child.id(), Signal::INT);
-    let (output, took) = wait_within(child, Duration::from_secs(10));
-    let text = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(130), "{text}");
-    assert!(text.contains("interrupted"), "{text}");
-    assert!(took < NOTICE && !runs(analog));
-    assert!(trace_rows(&bench.run_directories()[0]) > 0);
-    bench.assert_clean();
 }
 
 #[test]
@@ -116,7 +61,7 @@ fn a_stopped_side_is_given_up_within_two_seconds() {
             signal(digital, Signal::CONT);
         }
         let (output, took) = wait_within(child, Duration::from_secs(10));
-        let text = String::from_utf8_lossy(&output.stderr);
+        let text = stderr(&output);
         assert_eq!(output.status.code(), Some(3), "{text}");
         assert!(took < 2 * NOTICE && !runs(analog), "{took:?}");
         assert!(!stop_analog || text.contains("stopped"), "{text}");
@@ -138,7 +83,7 @@ fn a_side_that_is_stopped_for_a_second_loses_nothing() {
             signal(side, Signal::CONT);
         }
         let (output, _) = wait_within(child, Duration::from_secs(60));
-        let text = String::from_utf8_lossy(&output.stderr);
+        let text = stderr(&output);
         assert!(output.status.success(), "{pause:?}: {text}");
     }
     let traces: Vec<Vec<u8>> = bench

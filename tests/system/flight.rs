@@ -1,6 +1,6 @@
 //! The flight that the README promises.
 
-use crate::bench_top::{BenchTop, argv0, children, expect, partner_of, wait_within};
+use crate::bench_top::{BenchTop, argv0, children, expect, partner_of, runs, stderr, wait_within};
 use std::{path::Path, time::Duration};
 
 #[test]
@@ -55,8 +55,8 @@ fn two_processes_fly_and_none_is_left() {
     assert_eq!(argv0(analog), "analog-proc");
     assert_eq!(children(child.id()), [analog]);
     let (output, _) = wait_within(child, Duration::from_secs(60));
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(!crate::bench_top::runs(analog));
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(!runs(analog));
     bench.assert_clean();
 }
 
@@ -72,8 +72,7 @@ fn mistakes_on_the_command_line_are_explained() {
         (&["--vehicle", "no-such.toml"][..], "no-such.toml"),
         (&["--attach", "nobody"][..], "nobody"),
     ] {
-        let output = expect(&mut bench.fly(args), 2);
-        let text = String::from_utf8_lossy(&output.stderr);
+        let text = stderr(&expect(&mut bench.fly(args), 2));
         assert!(text.contains(word), "{args:?}: {text}");
     }
     bench.assert_clean();

@@ -3,16 +3,14 @@
 //! An integrator of a DAC: x' = d. The digital side sets d = n + 1 in frame n,
 //! so x(t) is a sum of rectangles that depends on every transfer instant.
 
-use analog_proc::session::serve::serve;
-use digital_proc::linkage::{
-    console::{Console, ConsoleFault},
-    launch::{AnalogEntry, LinkChoice, Started},
-};
+use crate::bench_top::with_console;
+use digital_proc::linkage::console::{Console, ConsoleFault};
 use interface::{
     Tick,
     control::{ChannelKind, Clock, PatchBundle, RunSpec},
     frame::{ModeCommand, Samples, Updates},
-    profile::Profile,
+    hold::HoldKind,
+    profile::{Profile, Provenance, Sourced},
 };
 
 const PATCH: &str = r#"
@@ -30,28 +28,33 @@ level = { kind = "sense", line = 1, in = ["half"] }
 
 const T: Tick = Tick(100_000_000);
 
+fn bundle() -> PatchBundle {
+    PatchBundle { root: "p".into(), files: vec![("p".into(), PATCH.into())] }
+}
+
 fn spec(latency: Tick, skew: Tick, stop: Tick) -> RunSpec {
     RunSpec { frame: T, latency, skew, stop, from_ic: true, clock: Clock::LockStep }
 }
 
 /// Runs the patch with d = n + 1 in frame n; returns all samples.
 fn run(spec: &RunSpec, profile: Profile, mode: impl Fn(u64) -> ModeCommand) -> Vec<Samples> {
-    let mut started =
-        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
-            .unwrap();
-    let mut console = Console::new(started.port());
-    let bundle = PatchBundle { root: "p".into(), files: vec![("p".into(), PATCH.into())] };
-    console.load(bundle, Vec::new(), profile).unwrap();
-    let channel = console.channel(ChannelKind::Dac, "d").unwrap();
     let mut all = Vec::new();
-    let mut law = |samples: &Samples, updates: &mut Updates| {
-        all.push(*samples);
-        updates.set_dac(channel, (samples.frame + 1) as f64);
-        updates.mode = mode(samples.frame) as u32;
-    };
-    console.run(spec, &mut law).unwrap();
-    console.bye().unwrap();
+    with_console(|console| {
+        console.load(bundle(), Vec::new(), profile).unwrap();
+        let channel = console.channel(ChannelKind::Dac, "d").unwrap();
+        let mut law = |samples: &Samples, updates: &mut Updates| {
+            all.push(*samples);
+            updates.set_dac(channel, (samples.frame + 1) as f64);
+            updates.mode = mode(samples.frame) as u32;
+        };
+        console.run(spec, &mut law).unwrap();
+    });
     all
+}
+
+/// On an ideal machine, always on.
+fn operate(latency: Tick, skew: Tick, stop: Tick) -> Vec<Samples> {
+    run(&spec(latency, skew, stop), Profile::ideal(), |_| ModeCommand::Continue)
 }
 
 /// x(t) when the transfer of frame n is at t_n + τ.
@@ -63,20 +66,14 @@ fn expected(t_s: f64, latency_s: f64) -> f64 {
 fn transfers_take_effect_at_the_latency_and_after_the_sample() {
     for latency in [Tick(0), Tick(1), Tick(30_000_000), Tick(99_999_999), T] {
         // The stop is no multiple of the frame.
-        let samples = run(&spec(latency, Tick(0), Tick(1_050_000_000)), Profile::ideal(), |_| {
-            ModeCommand::Continue
-        });
+        let samples = operate(latency, Tick(0), Tick(1_050_000_000));
         assert_eq!(samples.len(), 12);
         assert_eq!(samples[11].tick, Tick(1_050_000_000));
         for s in &samples {
             let wanted = expected(s.tick.secs(), latency.secs());
             // A sum of ten rectangles by a method that is exact for them: rounding alone.
-            assert!(
-                (s.adc[0] - wanted).abs() < 1e-12,
-                "τ {latency} at {}: {} {wanted}",
-                s.tick,
-                s.adc[0]
-            );
+            let (at, found) = (s.tick, s.adc[0]);
+            assert!((found - wanted).abs() < 1e-12, "τ {latency} at {at}: {found} {wanted}");
         }
     }
 }
@@ -84,10 +81,7 @@ fn transfers_take_effect_at_the_latency_and_after_the_sample() {
 #[test]
 fn skewed_channels_are_held_one_after_another() {
     let skew = Tick(10_000_000);
-    for s in run(&spec(T, skew, Tick(500_000_000)), Profile::ideal(), |_| ModeCommand::Continue)
-        .iter()
-        .take(5)
-    {
+    for s in operate(T, skew, Tick(500_000_000)).iter().take(5) {
         for (channel, delay) in [(1, 1), (2, 2)] {
             let wanted = (s.tick + skew * delay).secs();
             assert!((s.adc[channel] - wanted).abs() < 1e-15, "channel {channel} at {}", s.tick);
@@ -115,9 +109,7 @@ fn hold_stops_problem_time_and_end_ends_the_run() {
 
 #[test]
 fn edges_carry_their_located_times_and_sense_lines_their_level() {
-    let samples = run(&spec(Tick(0), Tick(0), Tick(500_000_000)), Profile::ideal(), |_| {
-        ModeCommand::Continue
-    });
+    let samples = operate(Tick(0), Tick(0), Tick(500_000_000));
     let edges: Vec<_> = samples.iter().flat_map(Samples::edges).collect();
     // x = 0.1 at 0.1 s, then slope 2 to 0.3 at 0.2 s: 0.25 is crossed at 0.175 s.
     assert_eq!(edges.len(), 1);
@@ -129,9 +121,7 @@ fn edges_carry_their_located_times_and_sense_lines_their_level() {
 #[test]
 fn transfers_are_told_with_their_instants() {
     let latency = Tick(30_000_000);
-    let samples = run(&spec(latency, Tick(0), Tick(400_000_000)), Profile::ideal(), |_| {
-        ModeCommand::Continue
-    });
+    let samples = operate(latency, Tick(0), Tick(400_000_000));
     let told: Vec<(u64, Tick)> =
         samples.iter().flat_map(Samples::transfers).map(|t| (t.frame, t.tick)).collect();
     let wanted: Vec<(u64, Tick)> = (0..4).map(|n| (n, T * n as i64 + latency)).collect();
@@ -140,10 +130,6 @@ fn transfers_are_told_with_their_instants() {
 
 #[test]
 fn holds_reconstruct_a_ramp() {
-    use interface::{
-        hold::HoldKind,
-        profile::{Provenance, Sourced},
-    };
     for (kind, lag_frames) in [(HoldKind::Extrapolating, 0.0), (HoldKind::Interpolating, 1.0)] {
         let mut profile = Profile::ideal();
         profile.dac.hold =
@@ -164,35 +150,31 @@ fn holds_reconstruct_a_ramp() {
 
 #[test]
 fn impossible_runs_are_refused_with_a_reason() {
-    let mut started =
-        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
-            .unwrap();
-    let mut console = Console::new(started.port());
-    let mut nothing = |_: &Samples, _: &mut Updates| {};
-    let mut refusal =
-        |console: &mut Console<'_>, spec: &RunSpec| match console.run(spec, &mut nothing) {
-            Err(ConsoleFault::Refused(text)) => text,
-            other => panic!("{other:?}"),
-        };
-    let fine = spec(Tick(0), Tick(0), T);
-    assert!(refusal(&mut console, &fine).contains("load"));
-    let bundle = PatchBundle { root: "p".into(), files: vec![("p".into(), PATCH.into())] };
-    console.load(bundle, Vec::new(), Profile::ideal()).unwrap();
-    for (bad, word) in [
-        (RunSpec { frame: Tick(0), ..fine.clone() }, "frame"),
-        (RunSpec { latency: T + Tick(1), ..fine.clone() }, "latency"),
-        (RunSpec { skew: Tick(1), ..fine.clone() }, "scan"),
-        (RunSpec { stop: Tick(-1), ..fine.clone() }, "stop"),
-    ] {
-        let text = refusal(&mut console, &bad);
-        assert!(text.contains(word), "{text}");
-    }
-    for refused in [
-        console.preset(&console.settings(&[("d", f64::NAN)]).unwrap()),
-        console.set_ics(vec![("d".into(), 1.0)]),
-        console.set_params(vec![("nobody".into(), 1.0)]),
-    ] {
-        assert!(matches!(refused, Err(ConsoleFault::Refused(_))), "{refused:?}");
-    }
-    console.bye().unwrap();
+    with_console(|console| {
+        let mut nothing = |_: &Samples, _: &mut Updates| {};
+        let mut refusal =
+            |console: &mut Console<'_>, spec: &RunSpec| match console.run(spec, &mut nothing) {
+                Err(ConsoleFault::Refused(text)) => text,
+                other => panic!("{other:?}"),
+            };
+        let fine = spec(Tick(0), Tick(0), T);
+        assert!(refusal(console, &fine).contains("load"));
+        console.load(bundle(), Vec::new(), Profile::ideal()).unwrap();
+        for (bad, word) in [
+            (RunSpec { frame: Tick(0), ..fine.clone() }, "frame"),
+            (RunSpec { latency: T + Tick(1), ..fine.clone() }, "latency"),
+            (RunSpec { skew: Tick(1), ..fine.clone() }, "scan"),
+            (RunSpec { stop: Tick(-1), ..fine.clone() }, "stop"),
+        ] {
+            let text = refusal(console, &bad);
+            assert!(text.contains(word), "{text}");
+        }
+        for refused in [
+            console.preset(&console.settings(&[("d", f64::NAN)]).unwrap()),
+            console.set_ics(vec![("d".into(), 1.0)]),
+            console.set_params(vec![("nobody".into(), 1.0)]),
+        ] {
+            assert!(matches!(refused, Err(ConsoleFault::Refused(_))), "{refused:?}");
+        }
+    });
 }

@@ -6,7 +6,7 @@
 //! commit to explain. `GOLDEN_LINK=shm` joins the two sides by shared memory instead; the
 //! hashes are the same, as they are on any processor and any number of cores (`.ci/soak`).
 
-use crate::bench_top::{BenchTop, DIGITAL, expect};
+use crate::bench_top::{BenchTop, DIGITAL};
 use desk::run_dir::Trace;
 use sha2::{Digest, Sha256};
 use std::{
@@ -86,10 +86,8 @@ pub fn of_json(part: &serde_json::Value) -> String {
 /// Runs `digital-proc` to a good end and returns the run directory that it made.
 fn run(bench: &BenchTop, args: &[&str]) -> PathBuf {
     let link = std::env::var("GOLDEN_LINK").unwrap_or_else(|_| "memory".into());
-    let former = bench.run_directories();
     let mut command = bench.command(DIGITAL, args);
-    expect(command.args(["--link", &link, "--out"]).arg(bench.runs()), 0);
-    bench.run_directories().into_iter().find(|d| !former.contains(d)).unwrap()
+    bench.made(command.args(["--link", &link, "--out"]).arg(bench.runs())).0
 }
 
 #[test]

@@ -10,7 +10,8 @@
 //! the command, the victim and the moment.
 
 use crate::bench_top::{
-    ANALOG, BenchTop, DIGITAL, argv0, children, expect, runs, signal, until, wait_within,
+    ANALOG, BenchTop, DIGITAL, NOTICE, argv0, children, expect, runs, signal, stderr, until,
+    wait_within,
 };
 use rustix::process::{Pid, Signal, WaitOptions, set_child_subreaper, waitpid};
 use std::{
@@ -20,26 +21,14 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// In which a survivor must have ended …
-const NOTICE: Duration = Duration::from_secs(1);
-/// … and if the transport may still be in the making.
+/// In which a survivor must have ended if the transport may still be in the making.
 const NOTICE_MAKING: Duration = Duration::from_secs(3);
 /// The transport is made within this time, even on a busy machine.
 const MAKING: Duration = Duration::from_millis(400);
 /// Exit code of a side whose partner failed.
 const PARTNER_FAILED: i32 = 3;
 
-/// A patch whose frames never end, and the loop study that runs it: x follows a cosine at
-/// 1e13 a second, which takes 6e10 steps a frame.
-const STIFF_PATCH: &str = r#"
-title = "stiff"
-[blocks]
-s = { kind = "integrator", in = ["c", "0 * u"], ic = 0.0 }
-c = { kind = "integrator", in = ["-1 * s"], ic = 1.0 }
-x = { kind = "integrator", in = ["-1e13 * x", "1e13 * c"], ic = 1.0 }
-a = { kind = "adc", in = ["x"], channel = 0, max = 2.0 }
-u = { kind = "dac", channel = 0, max = 2.0 }
-"#;
+/// A study of the patch whose frames never end.
 const STIFF_STUDY: &str = r#"
 title = "stiff"
 patch = "stiff.toml"
@@ -98,10 +87,7 @@ fn asked(variable: &str, default: u64) -> u64 {
 fn start(bench: &BenchTop, kind: &Kind) -> Child {
     let mut command = bench.command(DIGITAL, kind.args);
     if kind.name == "stiff" {
-        let folder = bench.runs();
-        std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(folder.join("stiff.toml"), STIFF_PATCH).unwrap();
-        let study = folder.join("study.toml");
+        let study = bench.stiff_patch().with_file_name("study.toml");
         std::fs::write(&study, STIFF_STUDY).unwrap();
         command.arg(study);
     }
@@ -184,10 +170,6 @@ fn swept(bench: &BenchTop, prefixes: &BTreeSet<String>, told: &str) {
     assert!(left.is_empty(), "{told}: left after a sweep: {left:?}");
 }
 
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 /// One kill of a side at a random moment.
 fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
     let kill_analog = chance.below(2) == 0;
@@ -217,7 +199,7 @@ fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
             Some(_) => [Some(PARTNER_FAILED), Some(0)].contains(&code),
             None => [Some(0), Some(130)].contains(&code),
         };
-        assert!(fine, "{told}: exit {code:?}: {}", text(&output));
+        assert!(fine, "{told}: exit {code:?}: {}", stderr(&output));
         let left = left(bench, &known);
         assert!(left.is_empty(), "{told}: left: {left:?}");
         return;
@@ -363,7 +345,7 @@ fn flight_under_strace(
         let child = traced(bench, log, inject, (DIGITAL, &flight)).spawn().unwrap();
         let (output, _) = wait_within_or(child, Duration::from_secs(20), told);
         let killed = output.status.code().is_none();
-        assert!(killed || output.status.success(), "{told}: {}", text(&output));
+        assert!(killed || output.status.success(), "{told}: {}", stderr(&output));
         survivors_end(bench, NOTICE_MAKING, &BTreeSet::new(), told);
         return;
     }
@@ -395,20 +377,20 @@ fn flight_under_strace(
             ended.elapsed() < NOTICE_MAKING,
             "{told}: the digital side ended after {:?}: {}",
             ended.elapsed(),
-            text(&output)
+            stderr(&output)
         );
         // 2: it was there no longer when the digital side wanted to join.
         assert!(
             [Some(PARTNER_FAILED), Some(0), Some(2)].contains(&code),
             "{told}: exit {code:?}: {}",
-            text(&output)
+            stderr(&output)
         );
     } else {
         assert!(
             served.status.success() && code == Some(0),
             "{told}: {}{}",
-            text(&served),
-            text(&output)
+            stderr(&served),
+            stderr(&output)
         );
     }
     let known = of_sessions(bench);

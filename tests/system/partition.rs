@@ -1,13 +1,9 @@
 //! The partitioned machine against the same equations integrated as one system.
 
-use analog_proc::session::serve::serve;
+use crate::bench_top::with_console;
 use digital_proc::{
     flight::{AlphaPath, FlightPlan, FrameResult, Stage, Timing},
-    linkage::{
-        console::Console,
-        executive::Rate,
-        launch::{AnalogEntry, LinkChoice, Started},
-    },
+    linkage::executive::Rate,
 };
 use interface::{Tick, frame::Samples};
 use vehicle::{
@@ -31,19 +27,16 @@ fn machine(vehicle: &Vehicle, step: Tick, fast: u64, alpha: AlphaPath) -> Vec<Fl
         alpha,
         profile: desk::profile::load("ideal").unwrap(),
     };
-    let mut started =
-        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
-            .unwrap();
-    let mut console = Console::new(started.port());
     let mut samples = Vec::new();
     let mut keep = |frame: &Samples, result: &FrameResult| {
         if frame.tick.0 % EVERY.0 == 0 {
             samples.push(result.sample);
         }
     };
-    let mut stage = Stage::load(&mut console, vehicle, &plan.profile).unwrap();
-    stage.fly(&mut console, vehicle, &plan, Timing::LockStep, &mut keep).unwrap();
-    console.bye().unwrap();
+    with_console(|console| {
+        let mut stage = Stage::load(console, vehicle, &plan.profile).unwrap();
+        stage.fly(console, vehicle, &plan, Timing::LockStep, &mut keep).unwrap();
+    });
     samples
 }
 

@@ -3,7 +3,9 @@
 //! Nothing here asserts a speed: on a loaded machine frames overrun, are counted,
 //! and the replay is the same all the same.
 
-use crate::bench_top::{BenchTop, DIGITAL, expect, partner_of, runs, signal, until, wait_within};
+use crate::bench_top::{
+    BenchTop, Busy, DIGITAL, NOTICE, expect, partner_of, runs, signal, stderr, until, wait_within,
+};
 use desk::run_dir::{RunDirectory, Trace, TraceWriter};
 use interface::Tick;
 use std::{
@@ -21,14 +23,9 @@ fn on_runs(bench: &BenchTop, args: &[&str]) -> Command {
 
 /// Flies on the wall clock; its directory and what it says of its pacing.
 fn fly_paced(bench: &BenchTop, args: &[&str]) -> (PathBuf, serde_json::Value) {
-    let before = bench.run_directories();
     let mut command = bench.fly(&["--clock", "wall", "--json"]);
-    let output = expect(command.args(args), 0);
-    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let mut new = bench.run_directories();
-    new.retain(|d| !before.contains(d));
-    assert_eq!(new.len(), 1);
-    (new.remove(0), summary)
+    let (run, output) = bench.made(command.args(args));
+    (run, serde_json::from_slice(&output.stdout).unwrap())
 }
 
 fn assert_replays(bench: &BenchTop, run: &Path, more: &[&str]) {
@@ -69,15 +66,12 @@ fn a_flight_on_the_wall_clock_replays_to_the_last_bit() {
             assert!(*tick > *frame as i64 * period, "updates {frame} came before their samples");
         }
         let trace = std::fs::read(run.join("trace.arrow")).unwrap();
-        let before = bench.run_directories();
-        expect(&mut bench.fly(&args), 0);
-        let mut stepped = bench.run_directories();
-        stepped.retain(|d| !before.contains(d));
-        assert!(trace != std::fs::read(stepped[0].join("trace.arrow")).unwrap());
+        let (stepped, _) = bench.made(&mut bench.fly(&args));
+        assert!(trace != std::fs::read(stepped.join("trace.arrow")).unwrap());
         // … and both are repeated to the last bit.
         assert_replays(&bench, &run, &[]);
         assert_replays(&bench, &run, &["--link", "memory"]);
-        assert_replays(&bench, &stepped[0], &[]);
+        assert_replays(&bench, &stepped, &[]);
     }
     bench.assert_clean();
 }
@@ -85,29 +79,16 @@ fn a_flight_on_the_wall_clock_replays_to_the_last_bit() {
 #[test]
 fn an_overloaded_flight_replays_to_the_last_bit() {
     let bench = BenchTop::new();
-    let stop = std::sync::atomic::AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        for _ in 0..4 {
-            scope.spawn(|| {
-                while !stop.load(std::sync::atomic::Ordering::Relaxed) {
-                    std::hint::spin_loop();
-                }
-            });
-        }
-        let flown = std::panic::catch_unwind(|| {
-            let skewed = ["--until", "400ms", "--frame", "1ms", "--fast", "1"];
-            let skewed = [&skewed[..], &["--latency", "500us", "--skew", "20us"]].concat();
-            let (run, pacing) = fly_paced(&bench, &skewed);
-            assert_eq!(pacing["results"]["frames"], 401.0);
-            assert_overruns_counted(&pacing);
-            assert_replays(&bench, &run, &[]);
-            let (run, pacing) = fly_paced(&bench, &["--until", "410ms", "--link", "memory"]);
-            assert_eq!(pacing["results"]["frames"], 22.0);
-            assert_replays(&bench, &run, &[]);
-        });
-        stop.store(true, std::sync::atomic::Ordering::Relaxed);
-        flown.unwrap();
-    });
+    let _busy = Busy::programs(4);
+    let skewed = ["--until", "400ms", "--frame", "1ms", "--fast", "1"];
+    let skewed = [&skewed[..], &["--latency", "500us", "--skew", "20us"]].concat();
+    for (args, frames) in [(&skewed[..], 401.0), (&["--until", "410ms", "--link", "memory"], 22.0)]
+    {
+        let (run, pacing) = fly_paced(&bench, args);
+        assert_eq!(pacing["results"]["frames"], frames);
+        assert_overruns_counted(&pacing);
+        assert_replays(&bench, &run, &[]);
+    }
     bench.assert_clean();
 }
 
@@ -136,7 +117,7 @@ fn a_replay_that_differs_says_where() {
     assert_replays(&bench, &run, &[]);
     let late = delay_one_transfer(&run);
     let output = expect(on_runs(&bench, &["replay"]).arg(&run), 1);
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    let text = stderr(&output);
     let row: u64 = text
         .split("row ")
         .nth(1)
@@ -180,7 +161,7 @@ fn runs_are_listed_exported_and_plotted() {
     assert!(page.contains("<svg") && page.contains("dynamic_pressure_pa"));
 
     let output = expect(&mut on_runs(&bench, &["export", "lats"]), 2);
-    assert!(String::from_utf8_lossy(&output.stderr).contains("lats"));
+    assert!(stderr(&output).contains("lats"));
 }
 
 #[test]
@@ -202,13 +183,13 @@ fn a_damaged_record_is_refused_with_its_line() {
         let line = 1 + sound[..at].matches('\n').count();
         std::fs::write(&path, sound.replacen(from, to, 1)).unwrap();
         let output = expect(on_runs(&bench, &["replay"]).arg(&run), 2);
-        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        let text = stderr(&output);
         assert!(text.contains(&format!("run.toml:{line}:")), "{to}: {text}");
     }
     // What parses but cannot be flown is refused too.
     std::fs::write(&path, sound.replacen("fast = 5", "fast = 7", 1)).unwrap();
     let output = expect(on_runs(&bench, &["replay"]).arg(&run), 2);
-    assert!(String::from_utf8_lossy(&output.stderr).contains("run.toml"));
+    assert!(stderr(&output).contains("run.toml"));
     bench.assert_clean();
 }
 
@@ -228,14 +209,13 @@ fn either_side_notices_a_death_between_the_frames() {
         let dying = if digital_dies { child.id() } else { analog };
         signal(dying, rustix::process::Signal::KILL);
         // A frame lasts 5 s.
-        let limit = Duration::from_secs(1);
-        let (output, _) = wait_within(child, limit);
+        let (output, _) = wait_within(child, NOTICE);
         if !digital_dies {
             assert_eq!(output.status.code(), Some(3));
-            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            let text = stderr(&output);
             assert!(text.contains("analog-proc is gone"), "{text}");
         }
-        until("the end of the analog side", limit, || (!runs(analog)).then_some(()));
+        until("the end of the analog side", NOTICE, || (!runs(analog)).then_some(()));
         for directory in bench.run_directories() {
             std::fs::remove_dir_all(directory).unwrap();
         }

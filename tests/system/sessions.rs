@@ -1,6 +1,6 @@
 //! Many sessions side by side, and sessions that are joined by name.
 
-use crate::bench_top::{ANALOG, BenchTop, expect, signal, until, wait_within};
+use crate::bench_top::{BenchTop, expect, stderr, wait_within};
 use std::time::Duration;
 
 #[test]
@@ -11,7 +11,7 @@ fn fifty_sessions_at_once_do_not_disturb_each_other() {
     for child in children {
         // A hundred processes share two cores here.
         let (output, _) = wait_within(child, Duration::from_secs(120));
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", stderr(&output));
     }
     let traces: Vec<Vec<u8>> = bench
         .run_directories()
@@ -26,26 +26,9 @@ fn fifty_sessions_at_once_do_not_disturb_each_other() {
 #[test]
 fn a_session_of_another_terminal_can_be_joined() {
     let bench = BenchTop::new();
-    let serve = bench.command(ANALOG, &["serve", "--session", "lab"]).spawn().unwrap();
-    until("the session", Duration::from_secs(5), || {
-        bench.base().join("lab.session").is_dir().then_some(())
-    });
+    let serve = bench.serve("lab");
     expect(&mut bench.fly(&["--until", "2s", "--attach", "lab"]), 0);
     let (output, _) = wait_within(serve, Duration::from_secs(5));
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    bench.assert_clean();
-}
-
-#[test]
-fn a_waiting_session_ends_on_an_interrupt() {
-    let bench = BenchTop::new();
-    let serve = bench.command(ANALOG, &["serve", "--session", "idle"]).spawn().unwrap();
-    until("the session", Duration::from_secs(5), || {
-        bench.base().join("idle.session").is_dir().then_some(())
-    });
-    std::thread::sleep(Duration::from_millis(100));
-    signal(serve.id(), rustix::process::Signal::INT);
-    let (output, _) = wait_within(serve, Duration::from_secs(2));
-    assert_eq!(output.status.code(), Some(130));
+    assert!(output.status.success(), "{}", stderr(&output));
     bench.assert_clean();
 }

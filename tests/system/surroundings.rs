@@ -1,6 +1,8 @@
 //! Where the machine runs: other users, busy programs, little room, odd paths.
 
-use crate::bench_top::{ANALOG, BenchTop, DIGITAL, expect, until, wait_within};
+use crate::bench_top::{
+    BenchTop, Busy, DIGITAL, expect, partner_of, signal, stderr, until, wait_within,
+};
 use std::{
     io::Write,
     os::unix::process::CommandExt,
@@ -46,7 +48,7 @@ fn another_user_can_neither_read_nor_damage_a_session() {
         return skip("only root can play another user");
     }
     let bench = BenchTop::new();
-    let serve = bench.command(ANALOG, &["serve", "--session", "lab"]).spawn().unwrap();
+    let serve = bench.serve("lab");
     let prefix = until("the session's memory", Duration::from_secs(10), || {
         let prefix = std::fs::read_to_string(bench.base().join("lab.session/prefix")).ok()?;
         let files = std::fs::read_dir("/dev/shm").unwrap().flatten();
@@ -108,7 +110,7 @@ fn too_little_shared_memory_is_refused_before_it_is_used() {
     }
     for size in ["4k", "64k", "256k", "1m"] {
         let refused = expect(&mut fly(size), 2);
-        let text = String::from_utf8_lossy(&refused.stderr).into_owned();
+        let text = stderr(&refused);
         assert!(
             text.contains("/dev/shm has ") && text.contains("a session needs 2048 KiB"),
             "{text}"
@@ -126,28 +128,9 @@ fn an_odd_base_path_is_refused_by_name() {
     for base in bases {
         let mut fly = bench.fly(&["--until", "1s"]);
         let refused = expect(fly.env("HYBRID_BASE", &base), 2);
-        let text = String::from_utf8_lossy(&refused.stderr).into_owned();
+        let text = stderr(&refused);
         assert!(text.contains("HYBRID_BASE") && text.contains("at most 77 bytes"), "{text}");
         assert!(!base.exists());
-    }
-}
-
-/// Programs that do nothing but compute; killed and reaped when dropped.
-struct Busy(Vec<Child>);
-
-impl Busy {
-    fn programs(n: usize) -> Busy {
-        let spin = || Command::new("sh").args(["-c", "while :; do :; done"]).spawn();
-        Busy((0..n).map(|_| spin().unwrap()).collect())
-    }
-}
-
-impl Drop for Busy {
-    fn drop(&mut self) {
-        for program in &mut self.0 {
-            let _ = program.kill();
-            let _ = program.wait();
-        }
     }
 }
 
@@ -177,13 +160,13 @@ fn a_flight_beside_busy_programs_takes_its_share_and_little_more() {
 fn both_processes_bear_their_names() {
     let bench = BenchTop::alone();
     let child = bench.fly(&["--frame", "200us", "--fast", "1"]).spawn().unwrap();
-    let analog = crate::bench_top::partner_of(&child);
+    let analog = partner_of(&child);
     let name = |pid| std::fs::read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
     until("the name of analog-proc", Duration::from_secs(5), || {
         (name(analog).trim_end() == "analog-proc").then_some(())
     });
     assert_eq!(name(child.id()).trim_end(), "digital-proc");
-    crate::bench_top::signal(child.id(), rustix::process::Signal::INT);
+    signal(child.id(), rustix::process::Signal::INT);
     wait_within(child, Duration::from_secs(10));
     bench.assert_clean();
 }

@@ -13,6 +13,7 @@ mod crossing;
 mod guard;
 mod heed;
 mod instants;
+mod paces;
 mod past;
 mod recorder;
 mod search;
@@ -26,7 +27,6 @@ pub use recorder::Sink;
 pub(crate) use recorder::{Cut, Recorder};
 
 use crate::element::dac::Hold;
-use crate::element::pace::Paces;
 use crate::event::Happenings;
 use crate::fault::RunFault;
 use crate::integrate::jacobian::jacobian;
@@ -40,6 +40,7 @@ use crate::statistics::Statistics;
 use guard::Switched;
 use instants::resolution_s;
 use nalgebra::DMatrix;
+use paces::Paces;
 use watch::Node;
 
 /// The running state.

@@ -66,9 +66,6 @@ fn check(integration: &Integration) -> Result<(), RunFault> {
 
 impl Simulation {
     /// A program in its initial condition.
-    ///
-    /// # Errors
-    /// Settings out of range, and whatever [`Simulation::reset`] finds.
     pub fn new(machine: Machine, integration: Integration) -> Result<Simulation, RunFault> {
         check(&integration)?;
         let engine = Engine::new(machine, integration);
@@ -85,9 +82,7 @@ impl Simulation {
 
     /// Back to the initial condition at t = 0, regions and logic settled. What the
     /// digital side has set stays set, as constants.
-    ///
-    /// # Errors
-    /// A net that is not finite, a zero divisor, a negative root, a logic race.
+    /// It refuses a net that is not finite, a zero divisor, a negative root and a logic race.
     pub fn reset(&mut self) -> Result<(), RunFault> {
         self.mode = Mode::InitialCondition;
         self.dirty = false;
@@ -129,18 +124,13 @@ impl Simulation {
 
     /// Operates until exactly `t`. In HOLD, or after an overload has ended the run,
     /// problem time stands still and the answer says so.
-    ///
-    /// # Errors
-    /// Any [`RunFault`]; it stands until the next reset.
+    /// A fault stands until the next reset.
     pub fn advance_to(&mut self, t: Tick) -> Result<Advance, RunFault> {
         self.advance_attended(t, &mut |_| ControlFlow::Continue(()))
     }
 
     /// As [`Simulation::advance_to`], asking `attendant` every few thousand derivative
     /// passes whether to go on; when and what it answers alters nothing else.
-    ///
-    /// # Errors
-    /// As [`Simulation::advance_to`], and [`RunFault::Halted`].
     pub fn advance_attended(
         &mut self,
         t: Tick,
@@ -152,9 +142,6 @@ impl Simulation {
     /// As [`Simulation::advance_to`], handing the nets to `sink` at each multiple of
     /// `every` after now and up to `t`, from the dense output. At an event the value
     /// after it is handed out.
-    ///
-    /// # Errors
-    /// As [`Simulation::advance_to`].
     pub fn advance_recording(
         &mut self,
         t: Tick,
@@ -172,9 +159,6 @@ impl Simulation {
     }
 
     /// Both: a sink that may have had enough, and an attendant.
-    ///
-    /// # Errors
-    /// As [`Simulation::advance_attended`]; a recorded value that is not finite.
     pub fn advance_recording_attended(
         &mut self,
         t: Tick,
@@ -275,9 +259,6 @@ impl Simulation {
 
     /// Puts in force what has been set since the last call, all at once. Without a
     /// change the integration goes on undisturbed.
-    ///
-    /// # Errors
-    /// As [`Simulation::reset`].
     pub fn apply(&mut self) -> Result<(), RunFault> {
         if !self.dirty {
             return Ok(());
@@ -318,9 +299,6 @@ impl Simulation {
 
     /// Repetitive operation: `times` runs of length `period` from the initial condition,
     /// `each` being called at the end of every run with its number.
-    ///
-    /// # Errors
-    /// As [`Simulation::advance_to`].
     pub fn repeat(
         &mut self,
         period: Tick,

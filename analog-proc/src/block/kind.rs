@@ -343,10 +343,10 @@ mod tests {
     }
 
     #[test]
-    fn the_examples_of_the_table_compile() {
+    fn the_examples_of_the_table_compile_and_start() {
         let mut text = String::from("[blocks]\nt = { kind = \"time\" }\n");
-        for net in ["a", "b", "c"] {
-            text += &format!("{net} = {{ kind = \"summer\", in = [\"t\"] }}\n");
+        for (net, value) in [("a", 1.0), ("b", 2.0), ("c", 3.0)] {
+            text += &format!("{net} = {{ kind = \"constant\", value = {value:?} }}\n");
         }
         for net in ["p", "q"] {
             text += &format!("{net} = {{ kind = \"comparator\", in = [\"t\"] }}\n");
@@ -357,6 +357,6 @@ mod tests {
         }
         let files = vec![("table.toml".to_owned(), text)];
         let bundle = PatchBundle { root: "table.toml".to_owned(), files };
-        compile(&bundle, &[]).map_err(|faults| faults.render()).unwrap();
+        compile(&bundle, &[]).map_err(|faults| faults.render()).unwrap().simulation().unwrap();
     }
 }

@@ -30,9 +30,6 @@ fn halvings(degree: u32) -> u8 {
 
 impl Ordered {
     /// The machine that it is, in the initial condition.
-    ///
-    /// # Errors
-    /// Settings out of range, and whatever [`Simulation::reset`] finds.
     pub fn simulation(&self) -> Result<Simulation, RunFault> {
         Simulation::new(lower(self), self.netlist.integration)
     }

@@ -4,7 +4,7 @@
 //! keeps the distances is found by pooling. Then the last small steps are taken
 //! out of the wires, since a step of two pixels looks like a mistake.
 
-use super::place::{CLEARANCE, Item, Layout, Link, PASSAGE, Placed};
+use super::layout::{CLEARANCE, Item, Layout, Link, PASSAGE, Placed, sweep};
 use std::collections::BTreeMap;
 
 pub(super) fn heights(columns: &[Vec<usize>], layout: &mut Layout, links: &[Link]) {
@@ -24,14 +24,8 @@ pub(super) fn heights(columns: &[Vec<usize>], layout: &mut Layout, links: &[Link
         let shift = y / 2.0;
         column.iter().for_each(|i| layout.items[*i].y -= shift);
     }
-    for sweep in 0..40 {
-        let layers: Vec<usize> = if sweep % 2 == 0 {
-            (0..columns.len()).collect()
-        } else {
-            (0..columns.len()).rev().collect()
-        };
-        for layer in layers {
-            let column = &columns[layer];
+    for round in 0..40 {
+        for column in sweep(columns.len(), round % 2 == 0).map(|layer| &columns[layer]) {
             let wanted: Vec<(f64, f64)> = column
                 .iter()
                 .map(|&item| {
@@ -84,14 +78,10 @@ pub(super) fn straighten(columns: &[Vec<usize>], layout: &mut Layout, links: &[L
             of[link.a].push((link.b, -shift));
         }
     }
-    for sweep in 0..8 {
-        let is_forward = sweep % 2 == 0;
+    for round in 0..8 {
+        let is_forward = round % 2 == 0;
         level_passages(columns, layout);
-        let mut layers: Vec<usize> = (0..columns.len()).collect();
-        if !is_forward {
-            layers.reverse();
-        }
-        for column in layers.into_iter().map(|layer| &columns[layer]) {
+        for column in sweep(columns.len(), is_forward).map(|layer| &columns[layer]) {
             for (at, &item) in column.iter().enumerate() {
                 let (low, high) = room(column, at, layout);
                 let here = &layout.items[item];

@@ -4,7 +4,8 @@
 //! run through symbols. The order is found by barycentre sweeps; the one with the
 //! fewest crossings is kept.
 
-use super::graph::{Graph, Role};
+use super::graph::{Graph, Port, Role};
+use super::layout::{Item, Layout, Link, PASSAGE, Placed, sweep};
 use super::level;
 use super::symbol::{self, Size};
 use crate::net::Netlist;
@@ -14,50 +15,6 @@ use std::collections::HashMap;
 const SWEEPS: usize = 24;
 /// Items above which crossings are no longer counted.
 const MOST_COUNTED: usize = 1500;
-/// Vertical distance between two wires that pass a column.
-pub(super) const PASSAGE: f64 = 12.0;
-/// Clear distance between blocks.
-pub(super) const CLEARANCE: f64 = 20.0;
-
-/// What stands at a place of a column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Item {
-    Block(usize),
-    /// A wire of a net that passes the column; `back` from right to left.
-    Passage {
-        net: usize,
-        back: bool,
-    },
-}
-
-/// One item with its place.
-#[derive(Clone, Debug)]
-pub(super) struct Placed {
-    pub(super) item: Item,
-    pub(super) layer: usize,
-    pub(super) y: f64,
-    pub(super) above: f64,
-    pub(super) below: f64,
-}
-
-/// A wire between two items of neighbouring columns (or, fed back, of the same one).
-pub(super) struct Link {
-    pub(super) a: usize,
-    pub(super) b: usize,
-    pub(super) a_offset: f64,
-    pub(super) b_offset: f64,
-    pub(super) weight: f64,
-}
-
-/// All items placed.
-pub(super) struct Layout {
-    pub(super) items: Vec<Placed>,
-    pub(super) index: HashMap<(usize, Item), usize>,
-    pub(super) sizes: Vec<Size>,
-    /// Height of each port above or below its block's middle.
-    pub(super) port_offsets: Vec<Vec<f64>>,
-}
-
 pub(super) fn place(graph: &mut Graph, netlist: &Netlist) -> Layout {
     let sizes: Vec<Size> = netlist
         .blocks
@@ -74,12 +31,8 @@ pub(super) fn place(graph: &mut Graph, netlist: &Netlist) -> Layout {
         });
     };
     for (block, size) in sizes.iter().enumerate() {
-        add(
-            Item::Block(block),
-            graph.layer[block],
-            size.height / 2.0 + size.above,
-            size.height / 2.0 + size.below,
-        );
+        let (above, below) = size.extent();
+        add(Item::Block(block), graph.layer[block], above, below);
     }
     for (block, ports) in graph.ports.iter().enumerate() {
         for port in ports.iter().filter(|p| !p.is_tag) {
@@ -123,15 +76,13 @@ fn port_offsets(graph: &Graph, sizes: &[Size]) -> Vec<Vec<f64>> {
 fn links(graph: &Graph, layout: &Layout) -> Vec<Link> {
     let mut links: HashMap<(usize, usize, i64), Link> = HashMap::new();
     let find = |layer: usize, item: Item| layout.index.get(&(layer, item)).copied();
-    let mut add =
-        |a: Option<usize>, b: Option<usize>, a_offset: f64, b_offset: f64, weight: f64| {
-            if let (Some(a), Some(b)) = (a, b) {
-                links.insert(
-                    (a, b, (b_offset * 10.0) as i64),
-                    Link { a, b, a_offset, b_offset, weight },
-                );
-            }
-        };
+    // From an item to another, each with the height of the wire there.
+    let mut add = |from: (Option<usize>, f64), to: (Option<usize>, f64), weight: f64| {
+        if let ((Some(a), a_offset), (Some(b), b_offset)) = (from, to) {
+            let link = Link { a, b, a_offset, b_offset, weight };
+            links.insert((a, b, (b_offset * 10.0) as i64), link);
+        }
+    };
     for (block, ports) in graph.ports.iter().enumerate() {
         let to = graph.layer[block];
         let here = find(to, Item::Block(block));
@@ -143,25 +94,17 @@ fn links(graph: &Graph, layout: &Layout) -> Vec<Link> {
             let from = graph.layer[driver];
             let out_offset = layout.sizes[driver].outputs[output.min(1)];
             let (net, back) = (port.net, port.is_back);
-            let passage = Item::Passage { net, back };
             let mut before = (find(from, Item::Block(driver)), out_offset);
-            if back {
-                // Down to the passage beside the driver, left, and up again: a loose connection.
-                for layer in (to..=from).rev() {
-                    let weight = if layer == from { 0.2 } else { 2.0 };
-                    let next = find(layer, passage);
-                    add(before.0, next, before.1, 0.0, weight);
-                    before = (next, 0.0);
-                }
-                add(before.0, here, 0.0, *offset, 0.2);
-            } else {
-                for layer in from + 1..to {
-                    let next = find(layer, passage);
-                    add(before.0, next, before.1, 0.0, 2.0);
-                    before = (next, 0.0);
-                }
-                add(before.0, here, before.1, *offset, 1.0);
+            // Fed back, it goes down to the passage beside the driver, left, and up again: a loose
+            // connection at both ends.
+            let passed: Vec<usize> =
+                if back { (to..=from).rev().collect() } else { (from + 1..to).collect() };
+            for layer in passed {
+                let next = (find(layer, Item::Passage { net, back }), 0.0);
+                add(before, next, if back && layer == from { 0.2 } else { 2.0 });
+                before = next;
             }
+            add(before, (here, *offset), if back { 0.2 } else { 1.0 });
         }
     }
     let mut list: Vec<Link> = links.into_values().collect();
@@ -178,24 +121,13 @@ fn order(columns: &mut [Vec<usize>], layout: &Layout, links: &[Link]) {
         neighbours[link.b].push((link.a, link.weight));
     }
     let mut position = vec![0.0; count];
-    let set = |columns: &[Vec<usize>], position: &mut Vec<f64>| {
-        for column in columns {
-            // Centred, so that short and long columns compare.
-            let middle = (column.len() as f64 - 1.0) / 2.0;
-            for (at, item) in column.iter().enumerate() {
-                position[*item] = at as f64 - middle;
-            }
-        }
-    };
-    set(columns, &mut position);
+    locate(columns, &mut position);
     let is_counted = count <= MOST_COUNTED;
     let mut best = (crossings(links, layout, &position), columns.to_vec());
     let sweeps = if is_counted { SWEEPS } else { 4 };
-    for sweep in 0..sweeps {
-        let forward = sweep % 2 == 0;
-        let layers: Vec<usize> =
-            if forward { (0..columns.len()).collect() } else { (0..columns.len()).rev().collect() };
-        for layer in layers {
+    for round in 0..sweeps {
+        let forward = round % 2 == 0;
+        for layer in sweep(columns.len(), forward) {
             let wanted: HashMap<usize, f64> = columns[layer]
                 .iter()
                 .map(|&item| {
@@ -213,7 +145,7 @@ fn order(columns: &mut [Vec<usize>], layout: &Layout, links: &[Link]) {
                 })
                 .collect();
             columns[layer].sort_by(|a, b| wanted[a].total_cmp(&wanted[b]));
-            set(&columns[layer..=layer], &mut position);
+            locate(&columns[layer..=layer], &mut position);
         }
         if is_counted {
             let found = crossings(links, layout, &position);
@@ -224,6 +156,16 @@ fn order(columns: &mut [Vec<usize>], layout: &Layout, links: &[Link]) {
     }
     if is_counted {
         columns.clone_from_slice(&best.1);
+    }
+}
+
+/// Places of items in their columns, centred, so that short and long columns compare.
+fn locate(columns: &[Vec<usize>], position: &mut [f64]) {
+    for column in columns {
+        let middle = (column.len() as f64 - 1.0) / 2.0;
+        for (at, item) in column.iter().enumerate() {
+            position[*item] = at as f64 - middle;
+        }
     }
 }
 
@@ -261,19 +203,14 @@ fn crossings(links: &[Link], layout: &Layout, position: &[f64]) -> f64 {
 /// Inputs of a sum may come in any order: the one in which their wires arrive.
 fn sort_ports(graph: &mut Graph, netlist: &Netlist, columns: &[Vec<usize>], layout: &Layout) {
     let mut position = vec![0.0; layout.items.len()];
-    for column in columns {
-        let middle = (column.len() as f64 - 1.0) / 2.0;
-        for (at, item) in column.iter().enumerate() {
-            position[*item] = at as f64 - middle;
-        }
-    }
+    locate(columns, &mut position);
     for block in 0..graph.ports.len() {
         if !netlist.blocks[block].kind.facts().inputs.roles.is_empty() {
             continue;
         }
         let layer = graph.layer[block];
         let here = layout.index[&(layer, Item::Block(block))];
-        let key = |port: &super::graph::Port| -> f64 {
+        let key = |port: &Port| -> f64 {
             if port.is_tag {
                 return 0.0;
             }

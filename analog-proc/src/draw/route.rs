@@ -3,7 +3,7 @@
 //! branches cross them, and no two nets run on the same line if that can be helped.
 
 use super::graph::Graph;
-use super::place::{Item, Layout};
+use super::layout::{Item, Layout};
 use std::collections::BTreeMap;
 
 /// Distance between trunks.

@@ -4,7 +4,8 @@
 //! leaves at the right. The integrator is the triangle with a bar at its back,
 //! the summer the plain triangle, the pot a circle with its setting.
 
-use super::{Pen, number};
+use super::label::number;
+use super::pen::Pen;
 use crate::net::Block;
 use maud::{Markup, html};
 
@@ -21,6 +22,13 @@ pub(super) struct Size {
     pub(super) below: f64,
     /// Heights of the outputs about the middle.
     pub(super) outputs: [f64; 2],
+}
+
+impl Size {
+    /// Room above and below the middle, texts included.
+    pub(super) fn extent(&self) -> (f64, f64) {
+        (self.height / 2.0 + self.above, self.height / 2.0 + self.below)
+    }
 }
 
 /// Room for a block with so many ports.

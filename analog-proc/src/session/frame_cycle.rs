@@ -32,9 +32,6 @@ use std::{collections::VecDeque, ops::ControlFlow};
 
 /// Runs the frames of one OPERATE period; returns what stopped it early, if it was a fault.
 /// `time_scale` is the wall time that a unit of problem time takes when free-running.
-///
-/// # Errors
-/// [`LinkFault`] when the digital side is gone, silent or out of step.
 pub fn run(
     spec: &RunSpec,
     time_scale: f64,

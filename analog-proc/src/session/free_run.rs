@@ -72,9 +72,6 @@ impl FreeRun {
     /// The next updates to arrive before the clock reaches `until`, with the instant of
     /// their arrival; `None` when it has, or when none are out. Updates are waited for
     /// beyond it when too many are out.
-    ///
-    /// # Errors
-    /// [`LinkFault`] when the digital side is gone, silent or out of step.
     pub fn next_updates(
         &mut self,
         port: &mut dyn AnalogPort,
@@ -108,9 +105,6 @@ impl FreeRun {
     }
 
     /// Waits until the clock reaches `instant`; gives updates that arrive meanwhile.
-    ///
-    /// # Errors
-    /// As [`FreeRun::next_updates`].
     pub fn await_instant(
         &mut self,
         port: &mut dyn AnalogPort,

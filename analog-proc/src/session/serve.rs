@@ -23,9 +23,6 @@ use interface::{
 };
 
 /// Serves one session until the digital side says goodbye or is gone.
-///
-/// # Errors
-/// [`LinkFault`] when the digital side is gone, silent or out of step.
 pub fn serve(port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
     let mut server = Server::default();
     loop {

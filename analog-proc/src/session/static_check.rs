@@ -8,9 +8,6 @@ use engine::{fault::RunFault, simulation::Simulation};
 use interface::control::StaticCheckLine;
 
 /// Resets the machine and compares every value that the patch expects.
-///
-/// # Errors
-/// [`RunFault`] when the machine cannot be reset.
 pub fn static_check(
     ordered: &Ordered,
     simulation: &mut Simulation,

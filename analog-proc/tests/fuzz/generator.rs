@@ -10,49 +10,13 @@ use crate::random::Random;
 use std::f64::consts::PI;
 
 /// Kinds and how often each is drawn; `mass` and `oscillator` are pairs of blocks.
-const KINDS: [(&str, u32); 41] = [
-    ("integrator", 10),
-    ("limited", 5),
-    ("gated", 4),
-    ("reset", 4),
-    ("oscillator", 4),
-    ("mass", 4),
-    ("chain", 5),
-    ("summer", 6),
-    ("inverter", 1),
-    ("gain", 2),
-    ("pot", 1),
-    ("multiplier", 5),
-    ("divider", 3),
-    ("square", 3),
-    ("square-root", 3),
-    ("abs", 4),
-    ("min", 3),
-    ("max", 3),
-    ("sine", 4),
-    ("cosine", 3),
-    ("arctangent", 4),
-    ("resolver", 2),
-    ("function", 4),
-    ("function-2d", 3),
-    ("dead-zone", 4),
-    ("limiter", 5),
-    ("rate-limiter", 2),
-    ("backlash", 2),
-    ("relay", 4),
-    ("lag", 3),
-    ("transport-delay", 5),
-    ("signal-generator", 6),
-    ("noise", 1),
-    ("switch", 5),
-    ("track-store", 3),
-    ("comparator", 12),
-    ("logic", 5),
-    ("flip-flop", 4),
-    ("one-shot", 4),
-    ("counter", 6),
-    ("dcu", 1),
-];
+const KINDS: &str = "
+    integrator 10, limited 5, gated 4, reset 4, oscillator 4, mass 4, chain 5, summer 6,
+    inverter 1, gain 2, pot 1, multiplier 5, divider 3, square 3, square-root 3, abs 4, min 3,
+    max 3, sine 4, cosine 3, arctangent 4, resolver 2, function 4, function-2d 3, dead-zone 4,
+    limiter 5, rate-limiter 2, backlash 2, relay 4, lag 3, transport-delay 5, signal-generator 6,
+    noise 1, switch 5, track-store 3, comparator 12, logic 5, flip-flop 4, one-shot 4, counter 6,
+    dcu 1";
 
 struct Draft {
     random: Random,
@@ -88,17 +52,11 @@ impl Draft {
         self.peaks[one] = Some(1.0);
         let first = self.random.pick(&["signal-generator", "signal-generator", "time", "chain"]);
         self.push(first);
-        let total: u32 = KINDS.iter().map(|k| k.1).sum();
+        let kinds = KINDS.split(',').map(|kind| kind.trim().split_once(' ').unwrap());
+        let urn: Vec<&str> =
+            kinds.flat_map(|(kind, often)| vec![kind; often.parse().unwrap()]).collect();
         while self.blocks.len() < count {
-            let mut at = self.random.below(total as usize) as u32;
-            let mut kind = KINDS[0].0;
-            for (name, weight) in KINDS {
-                if at < weight {
-                    kind = name;
-                    break;
-                }
-                at -= weight;
-            }
+            let kind = self.random.pick(&urn);
             let compares = self.blocks.iter().any(|b| b.kind == "comparator");
             match kind {
                 "logic" | "flip-flop" | "one-shot" | "counter" if !compares => {
@@ -123,14 +81,10 @@ impl Draft {
         }
         // Kinds that are integrators in the end are such for the wires of others, too.
         for block in &mut self.blocks {
-            if !matches!(
-                block.kind,
-                "limited" | "gated" | "reset" | "oscillator" | "oscillator-rate" | "mass" | "chain"
-            ) {
-                continue;
+            if block.is("limited gated reset oscillator oscillator-rate mass chain") {
+                block.fields.push(("ic", Field::Word(block.kind)));
+                block.kind = "integrator";
             }
-            block.fields.push(("ic", Field::Word(block.kind)));
-            block.kind = "integrator";
         }
     }
 
@@ -167,10 +121,7 @@ impl Draft {
 
     fn logic(&mut self, i: usize) -> Option<String> {
         let nets = self.nets(i, true);
-        if nets.is_empty() {
-            return None;
-        }
-        Some(self.random.pick(&nets))
+        (!nets.is_empty()).then(|| self.random.pick(&nets))
     }
 
     fn peak(&self, net: &str) -> Option<f64> {
@@ -218,13 +169,10 @@ impl Draft {
     fn positive(&mut self, i: usize) -> Option<String> {
         let nets: Vec<String> = self.blocks[..i]
             .iter()
-            .filter(|b| matches!(b.kind, "abs" | "square"))
+            .filter(|b| b.is("abs square"))
             .map(|b| b.name.clone())
             .collect();
-        if nets.is_empty() {
-            return None;
-        }
-        Some(self.random.pick(&nets))
+        (!nets.is_empty()).then(|| self.random.pick(&nets))
     }
 
     fn wire(&mut self, i: usize) {
@@ -262,8 +210,7 @@ impl Draft {
                 self.peaks[i] = reach;
             }
             "multiplier" | "min" | "max" => {
-                let inputs = vec![self.term(i), self.term(i)];
-                self.blocks[i].inputs = inputs;
+                self.blocks[i].inputs = vec![self.term(i), self.term(i)];
             }
             "sine" | "cosine" => {
                 let mut inputs = self.terms(i, 2);
@@ -293,13 +240,10 @@ impl Draft {
                 self.blocks[i].inputs = inputs;
             }
             "divider" => {
-                let above = self.term(i);
-                let below = self.offset(i, 0.15);
-                self.blocks[i].inputs = vec![above, below];
+                self.blocks[i].inputs = vec![self.term(i), self.offset(i, 0.15)];
             }
             "square-root" => {
-                let term = self.offset(i, 0.15);
-                self.blocks[i].inputs = vec![term];
+                self.blocks[i].inputs = vec![self.offset(i, 0.15)];
             }
             "function" => {
                 let inputs = self.terms(i, 2);
@@ -351,8 +295,7 @@ impl Draft {
                 }
             }
             "rate-limiter" | "backlash" => {
-                let inputs = self.terms(i, 2);
-                self.blocks[i].inputs = inputs;
+                self.blocks[i].inputs = self.terms(i, 2);
                 if self.blocks[i].kind == "backlash" {
                     self.number(i, "width", 0.05, 0.6);
                 } else {
@@ -387,8 +330,7 @@ impl Draft {
                 self.set(i, "initially-on", Field::Flag(on));
             }
             "lag" => {
-                let inputs = self.terms(i, 2);
-                self.blocks[i].inputs = inputs;
+                self.blocks[i].inputs = self.terms(i, 2);
                 self.number(i, "tau", 0.05, 1.0);
                 self.number(i, "ic", -1.0, 1.0);
             }
@@ -616,37 +558,16 @@ impl Draft {
         };
         let wire = |net: &str| Term { c: 1.0, net: net.into() };
         for block in blocks.iter().filter(|b| b.is_logic()).take(4) {
-            let (gate, duty, count) = (
-                format!("g_{}", block.name),
-                format!("d_{}", block.name),
-                format!("c_{}", block.name),
-            );
-            add(
-                gate.clone(),
-                "switch",
-                vec![wire("n00"), Term { c: -1.0, net: "n00".into() }],
-                vec![("control", Field::Net(block.name.clone()))],
-            );
-            add(duty, "integrator", vec![wire(&gate)], Vec::new());
-            add(count, "counter", vec![wire(&block.name)], Vec::new());
+            let (name, gate) = (&block.name, format!("g_{}", block.name));
+            let control = vec![("control", Field::Net(name.clone()))];
+            let both = vec![wire("n00"), Term { c: -1.0, net: "n00".into() }];
+            add(gate.clone(), "switch", both, control);
+            add(format!("d_{name}"), "integrator", vec![wire(&gate)], Vec::new());
+            add(format!("c_{name}"), "counter", vec![wire(name)], Vec::new());
         }
-        let moving = blocks.iter().filter(|b| {
-            matches!(
-                b.kind,
-                "limiter"
-                    | "dead-zone"
-                    | "function"
-                    | "function-2d"
-                    | "relay"
-                    | "min"
-                    | "max"
-                    | "abs"
-                    | "transport-delay"
-                    | "arctangent"
-                    | "track-store"
-            )
-        });
-        for block in moving.take(3) {
+        let moving = "limiter dead-zone function function-2d relay min max abs transport-delay \
+                      arctangent track-store";
+        for block in blocks.iter().filter(|b| b.is(moving)).take(3) {
             add(format!("i_{}", block.name), "integrator", vec![wire(&block.name)], Vec::new());
         }
     }

@@ -93,23 +93,18 @@ impl Field {
 }
 
 impl Block {
+    /// Whether its kind is one of these words.
+    pub fn is(&self, kinds: &str) -> bool {
+        kinds.split(' ').any(|kind| kind == self.kind)
+    }
+
     pub fn is_logic(&self) -> bool {
-        matches!(self.kind, "comparator" | "and" | "or" | "not" | "flip-flop" | "one-shot")
+        self.is("comparator and or not flip-flop one-shot")
     }
 
     /// Whether it may stand in a closed path.
     pub fn is_store(&self) -> bool {
-        matches!(
-            self.kind,
-            "integrator"
-                | "lag"
-                | "rate-limiter"
-                | "backlash"
-                | "transport-delay"
-                | "flip-flop"
-                | "one-shot"
-                | "counter"
-        )
+        self.is("integrator lag rate-limiter backlash transport-delay flip-flop one-shot counter")
     }
 
     pub fn drives(&self, net: &str) -> bool {
@@ -164,11 +159,9 @@ impl Patch {
             for (_, field) in &mut block.fields {
                 field.numbers(&mut each);
             }
-            let integrates = matches!(block.kind, "integrator" | "lag" | "rate-limiter");
-            if integrates && relative > 0.0 {
-                block
-                    .inputs
-                    .push(Term { c: relative * random.between(-1.0, 1.0), net: OFFSET.into() });
+            if block.is("integrator lag rate-limiter") && relative > 0.0 {
+                let c = relative * random.between(-1.0, 1.0);
+                block.inputs.push(Term { c, net: OFFSET.into() });
             }
         }
         patch.blocks.push(Block {

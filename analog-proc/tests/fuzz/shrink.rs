@@ -78,25 +78,9 @@ fn simpler(patch: &Patch, i: usize) -> Vec<Patch> {
         change(&mut smaller.blocks[i]);
         all.push(smaller);
     };
-    let many = matches!(
-        block.kind,
-        "integrator"
-            | "summer"
-            | "gain"
-            | "sine"
-            | "cosine"
-            | "limiter"
-            | "dead-zone"
-            | "function"
-            | "relay"
-            | "comparator"
-            | "lag"
-            | "transport-delay"
-            | "abs"
-            | "square"
-            | "track-store"
-    );
-    if many && block.inputs.len() > 1 {
+    let many = "integrator summer gain sine cosine limiter dead-zone function relay comparator lag \
+                transport-delay abs square track-store";
+    if block.is(many) && block.inputs.len() > 1 {
         for k in 0..block.inputs.len() {
             add(&move |b| {
                 b.inputs.remove(k);
@@ -110,18 +94,8 @@ fn simpler(patch: &Patch, i: usize) -> Vec<Patch> {
         }
     }
     for (k, (key, _)) in block.fields.iter().enumerate() {
-        if matches!(
-            *key,
-            "limits"
-                | "operate"
-                | "reset"
-                | "reset-to"
-                | "hysteresis"
-                | "breakaway"
-                | "modulo"
-                | "ic"
-        ) && !matches!(block.kind, "limiter")
-        {
+        let spare = "limits operate reset reset-to hysteresis breakaway modulo ic";
+        if block.kind != "limiter" && spare.split(' ').any(|s| s == *key) {
             add(&move |b| {
                 b.fields.remove(k);
             });

@@ -27,24 +27,6 @@ fn resolvers_turn_either_way_about_one_angle() {
 }
 
 #[test]
-fn arctangent_covers_four_quadrants_and_its_jump_is_located() {
-    let mut bench = Bench::new(
-        r#"
-        c = { kind = "integrator", in = ["-s"], ic = 1.0 }
-        s = { kind = "integrator", in = ["c"] }
-        angle = { kind = "arctangent", in = ["s", "c"] }
-        area = { kind = "integrator", in = ["angle"] }
-    "#,
-    );
-    let pi = std::f64::consts::PI;
-    // t up to π, then t − 2π; the phase of the oscillator is good to the tolerance.
-    bench.follows("angle", 4.0, 1e-8, |t| if t < pi { t } else { t - 2.0 * pi });
-    let beyond = 4.0 - 2.0 * pi;
-    let area = 0.5 * pi * pi + 0.5 * (beyond * beyond - pi * pi);
-    close(bench.net("area"), area, 1e-8, "area");
-}
-
-#[test]
 fn two_variable_function_is_bilinear_and_flat_beyond_its_table() {
     // The table holds x·y, which bilinear interpolation reproduces.
     let blocks = r#"
@@ -142,7 +124,7 @@ fn switch_and_flip_flop_act_at_their_instants() {
 }
 
 #[test]
-fn counter_counts_rising_edges_until_reset() {
+fn counters_count_rising_edges_until_reset_and_pulses_have_their_width() {
     let mut bench = Bench::new(
         r#"
         t = { kind = "time" }
@@ -150,50 +132,46 @@ fn counter_counts_rising_edges_until_reset() {
         clock = { kind = "comparator", in = ["w"] }
         late = { kind = "comparator", in = ["t"], threshold = 2.5 }
         n = { kind = "counter", in = ["clock", "late"] }
+        ring = { kind = "counter", in = ["clock"], modulo = 3 }
         pulse = { kind = "one-shot", in = ["late"], width = 0.125 }
         line = { kind = "interrupt", in = ["pulse"], line = 2 }
+        sense = { kind = "sense", in = ["pulse"], line = 5 }
+        one = { kind = "constant", value = 1.0 }
+        on = { kind = "integrator", in = ["one"], operate = "pulse" }
     "#,
     );
     // Edges at 0.25, 0.75, 1.25, 1.75, 2.25.
     bench.run(2.4);
-    assert_eq!(bench.net("n"), 5.0);
-    bench.run(3.0);
-    assert_eq!(bench.net("n"), 0.0);
+    assert_eq!((bench.net("n"), bench.net("ring")), (5.0, 2.0));
+    assert!(bench.run(2.6).simulation.sense(5));
+    assert!(!bench.run(3.0).simulation.sense(5));
+    assert_eq!((bench.net("n"), bench.net("ring")), (0.0, 0.0));
     let edges = bench.all_edges();
     assert_eq!(edges.len(), 2);
     // One pulse, as long as its width to the resolution of time.
     assert!((edges[1].t_s - edges[0].t_s - 0.125).abs() <= 4.0 * f64::EPSILON);
+    assert!((bench.net("on") - 0.125).abs() < 1e-14);
 }
 
+/// Lags of a kind against the solutions of their equations.
 #[test]
-fn lag_answers_a_step_exponentially() {
-    let blocks = r#"
-        three = { kind = "constant", value = 3.0 }
-        y = { kind = "lag", in = ["three"], tau = 0.5, gain = 2.0, ic = 1.0 }
-    "#;
-    Bench::new(blocks).follows("y", 3.0, 6e-8, |t| 6.0 - 5.0 * (-2.0 * t).exp());
-}
-
-#[test]
-fn rate_limiter_slews_then_settles() {
-    let blocks = r#"
-        three = { kind = "constant", value = 3.0 }
-        y = { kind = "rate-limiter", in = ["three"], rate = 2.0, tau = 0.01 }
-    "#;
+fn followers_answer_steps_and_ramps() {
+    let follows = |y: &str, until_s, limit, truth: fn(f64) -> f64| {
+        let blocks = format!(
+            "three = {{ kind = \"constant\", value = 3.0 }}\nt = {{ kind = \"time\" }}\ny = {{ {y} }}"
+        );
+        Bench::new(&blocks).follows("y", until_s, limit, truth);
+    };
+    let lag = "kind = \"lag\", in = [\"three\"], tau = 0.5, gain = 2.0, ic = 1.0";
+    follows(lag, 3.0, 6e-8, |t| 6.0 - 5.0 * (-2.0 * t).exp());
     // The rate falls below its limit where 3 − y = 2·0.01, at t = 1.49.
-    Bench::new(blocks).follows("y", 1.6, 3e-8, |t| {
+    let slews = "kind = \"rate-limiter\", in = [\"three\"], rate = 2.0, tau = 0.01";
+    follows(slews, 1.6, 3e-8, |t| {
         if t <= 1.49 { 2.0 * t } else { 3.0 - 0.02 * (-(t - 1.49) / 0.01).exp() }
     });
-}
-
-#[test]
-fn backlash_follows_half_its_width_behind() {
-    let blocks = r#"
-        t = { kind = "time" }
-        y = { kind = "backlash", in = ["t"], width = 1.0, tau = 0.05 }
-    "#;
-    // τ·dy/dt = t − ½ − y from t = ½ on.
-    Bench::new(blocks).follows("y", 2.0, 2e-8, |t| {
+    // Half its width behind: τ·dy/dt = t − ½ − y from t = ½ on.
+    let backlash = "kind = \"backlash\", in = [\"t\"], width = 1.0, tau = 0.05";
+    follows(backlash, 2.0, 2e-8, |t| {
         let s = (t - 0.5).max(0.0);
         s - 0.05 * (1.0 - (-s / 0.05).exp())
     });
@@ -310,46 +288,6 @@ fn edges_that_nobody_takes_do_not_pile_up() {
 }
 
 #[test]
-fn dead_zone_is_odd_and_limiter_corners_are_exact() {
-    let mut bench = Bench::new(
-        r#"
-        s = { kind = "signal-generator", wave = "sine", amplitude = 2.0, frequency = 1.0 }
-        up = { kind = "dead-zone", in = ["s"], width = 0.5 }
-        down = { kind = "dead-zone", in = ["-1 * s"], width = 0.5 }
-        limited = { kind = "limiter", in = ["s"], limits = [-1.0, 1.0] }
-        area = { kind = "integrator", in = ["limited"] }
-        full = { kind = "comparator", in = ["limited"], threshold = 0.999999999999 }
-        line = { kind = "interrupt", in = ["full"], line = 0 }
-    "#,
-    );
-    for (_, v) in bench.record(&["up", "down", "limited", "s"], 1.0, 0.001) {
-        // Band of a corner: 4 units in the last place of 1.
-        assert!((v[0] + v[1]).abs() <= 1e-15 && (v[2] - v[3].clamp(-1.0, 1.0)).abs() <= 1e-15);
-    }
-    // 2·sin(2πt) reaches 1 at t = 1/12.
-    close(bench.all_edges()[0].t_s, 1.0 / 12.0, 1e-11, "corner");
-    // ∫ over the half period: of the limited sine, 2·(2 − √3)/(2π) + 1/3.
-    bench.simulation.reset().unwrap();
-    let expected = 2.0 * (1.0 - 0.75_f64.sqrt()) * 2.0 / std::f64::consts::TAU + 1.0 / 3.0;
-    close(bench.run(0.5).net("area"), expected, 1e-9, "area");
-}
-
-#[test]
-fn delayed_feedback_follows_the_method_of_steps() {
-    // dy/dt = −y(t − 1), y = 1 before: y(1) = 0, y(2) = −1/2, y(3) = −1/6.
-    let mut bench = Bench::new(
-        r#"
-        y = { kind = "integrator", in = ["-1 * d"], ic = 1.0 }
-        d = { kind = "transport-delay", in = ["y"], delay = 1.0, initial = 1.0 }
-    "#,
-    );
-    for (t_s, y) in [(1.0, 0.0), (2.0, -0.5), (3.0, -1.0 / 6.0)] {
-        // Piecewise polynomials of degree ≤ 3 are exact but for rounding and breakpoints.
-        assert!((bench.run(t_s).net("y") - y).abs() < 1e-12, "{}", bench.net("y"));
-    }
-}
-
-#[test]
 fn dac_slopes_and_settling_are_integrated_exactly() {
     let mut bench = Bench::new(
         r#"
@@ -379,27 +317,4 @@ fn limited_integrator_rests_on_its_limit() {
     );
     assert_eq!(bench.run(1.0).net("y"), 0.5);
     assert!((bench.run(2.0).net("y") - (0.5 + 2.0_f64.sin() - 1.0)).abs() < 1e-9);
-}
-
-#[test]
-fn logic_counts_and_pulses() {
-    let mut bench = Bench::new(
-        r#"
-        w = { kind = "signal-generator", wave = "square", frequency = 1.0, start = 0.25 }
-        clock = { kind = "comparator", in = ["w"] }
-        count = { kind = "counter", in = ["clock"], modulo = 3 }
-        pulse = { kind = "one-shot", in = ["clock"], width = 0.125 }
-        one = { kind = "constant", value = 1.0 }
-        zero = { kind = "constant", value = 0.0 }
-        gate = { kind = "switch", control = "pulse", in = ["one", "zero"] }
-        on = { kind = "integrator", in = ["gate"] }
-        sense = { kind = "sense", in = ["pulse"], line = 5 }
-    "#,
-    );
-    assert!(bench.run(2.3).simulation.sense(5));
-    assert!(!bench.run(2.4).simulation.sense(5));
-    assert_eq!(bench.net("count"), 0.0);
-    // Three pulses of 0.125 s, their edges exact stops.
-    assert!((bench.net("on") - 0.375).abs() < 1e-14);
-    assert_eq!(bench.run(3.4).net("count"), 1.0);
 }

@@ -30,31 +30,6 @@ fn undefined_numbers_are_faults() {
     assert!(is_told, "{fault}");
 }
 
-#[test]
-fn zero_divisors_and_negative_roots_are_located() {
-    let mut bench = Bench::new(
-        r#"
-        t = { kind = "time" }
-        one = { kind = "constant", value = 1.0 }
-        down = { kind = "summer", in = ["one", "-4 * t"] }
-        ratio = { kind = "divider", in = ["one", "down"] }
-    "#,
-    );
-    let fault = bench.try_run(1.0).unwrap_err();
-    let RunFault::DividedByZero { block, t_s } = fault else { panic!("{fault}") };
-    assert!(block == "ratio" && (t_s - 0.25).abs() < 1e-12);
-    let mut bench = Bench::new(
-        r#"
-        t = { kind = "time" }
-        one = { kind = "constant", value = 1.0 }
-        root = { kind = "square-root", in = ["one", "-4 * t"] }
-    "#,
-    );
-    let fault = bench.try_run(1.0).unwrap_err();
-    let RunFault::NegativeRoot { block, t_s } = fault else { panic!("{fault}") };
-    assert!(block == "root" && (t_s - 0.25).abs() < 1e-12);
-}
-
 /// d = √(max(1 − t, 0)), the argument cut off in three ways.
 #[test]
 fn a_guarded_root_goes_on_at_zero() {

@@ -1,7 +1,7 @@
 //! Arctangents of vectors that turn, also quickly and close to their origin.
 
 use crate::TAU;
-use crate::bench::Bench;
+use crate::bench::{Bench, tick};
 use crate::roots::bisect;
 use engine::fault::RunFault;
 use std::f64::consts::PI;
@@ -22,7 +22,6 @@ fn a_turning_vector_stays_within_half_a_turn() {
             w = TAU * frequency
         ));
         let angle = bench.id("angle");
-        let tick = |s| interface::Tick::from_secs(s).unwrap();
         bench
             .simulation
             .advance_recording(tick(4.1), tick(0.000_7), &[angle], |t, row| {
@@ -87,7 +86,6 @@ fn an_ellipse_that_all_but_touches_the_origin_turns_once_a_period() {
     "#,
     );
     let angle = bench.id("angle");
-    let tick = |s| interface::Tick::from_secs(s).unwrap();
     bench
         .simulation
         .advance_recording(tick(100.0), tick(0.0017), &[angle], |t, row| {

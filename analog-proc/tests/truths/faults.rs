@@ -28,50 +28,44 @@ fn a_pole_of_a_secant_of_time_ends_the_run() {
 }
 
 #[test]
-fn a_divisor_that_dips_below_zero_for_a_moment_ends_the_run() {
-    // sin(2πt) + 0.9999 is negative for 4.5 ms a second.
-    let mut bench = Bench::new(
-        "s = { kind = \"signal-generator\", wave = \"sine\" }\none = { kind = \"constant\", value = 1.0 }\nd = { kind = \"summer\", in = [\"s\", \"0.9999 * one\"] }\nq = { kind = \"divider\", in = [\"one\", \"d\"] }",
-    );
-    match bench.try_run(20.0) {
-        Err(RunFault::DividedByZero { block, t_s }) => {
-            assert_eq!(block, "q");
-            let truth = 0.5 + 0.9999_f64.asin() / TAU;
-            assert!((t_s - truth).abs() < 1e-9, "{t_s} instead of {truth}");
+fn what_dips_below_zero_for_a_moment_ends_the_run() {
+    // sin(2πt) + 0.9999 is negative for 4.5 ms a second; 1 − 4t is from 0.25 s on.
+    let dip_s = 0.5 + 0.9999_f64.asin() / TAU;
+    let sources = r#"
+        one = { kind = "constant", value = 1.0 }
+        t = { kind = "time" }
+        g = { kind = "signal-generator", wave = "sine" }
+        s = { kind = "sine", in = ["6.283185307179586 * t"] }
+    "#;
+    for (sum, truth, within) in [
+        ("\"g\", \"0.9999 * one\"", dip_s, 1e-9),
+        ("\"s\", \"0.9999 * one\"", dip_s, 1e-9),
+        ("\"one\", \"-4 * t\"", 0.25, 1e-12),
+    ] {
+        let d = format!("d = {{ kind = \"summer\", in = [{sum}] }}");
+        for reader in [
+            "q = { kind = \"divider\", in = [\"one\", \"d\"] }",
+            "q = { kind = \"square-root\", in = [\"d\"] }",
+        ] {
+            match Bench::new(&format!("{sources}\n{d}\n{reader}")).try_run(20.0) {
+                Err(
+                    RunFault::DividedByZero { block, t_s } | RunFault::NegativeRoot { block, t_s },
+                ) => {
+                    assert_eq!(block, "q");
+                    assert!((t_s - truth).abs() < within, "{t_s} instead of {truth}");
+                }
+                other => panic!("{other:?}"),
+            }
         }
-        other => panic!("{other:?}"),
-    }
-}
-
-#[test]
-fn a_root_of_what_dips_below_zero_ends_the_run() {
-    let mut bench = Bench::new(
-        "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"] }\none = { kind = \"constant\", value = 1.0 }\nr = { kind = \"square-root\", in = [\"s\", \"0.9999 * one\"] }",
-    );
-    match bench.try_run(20.0) {
-        Err(RunFault::NegativeRoot { block, t_s }) => {
-            assert_eq!(block, "r");
-            let truth = 0.5 + 0.9999_f64.asin() / TAU;
-            assert!((t_s - truth).abs() < 1e-9, "{t_s} instead of {truth}");
-        }
-        other => panic!("{other:?}"),
     }
 }
 
 #[test]
 fn an_overload_of_a_sine_of_time_stops_the_run() {
     // The level is 110 % of `max`.
-    let cases: [(f64, &str); 3] = [
-        (
-            0.9 / 1.1,
-            "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"], max = MAX }",
-        ),
-        (
-            0.9,
-            "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"], max = MAX }",
-        ),
-        (0.999 / 1.1, "s = { kind = \"signal-generator\", wave = \"sine\", max = MAX }"),
-    ];
+    let time = "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"], max = MAX }";
+    let generator = "s = { kind = \"signal-generator\", wave = \"sine\", max = MAX }";
+    let cases: [(f64, &str); 3] = [(0.9 / 1.1, time), (0.9, time), (0.999 / 1.1, generator)];
     for (max, sources) in cases {
         let blocks = sources.replace("MAX", &format!("{max:?}"));
         let mut bench = Bench::with("overload = \"stop\"", &blocks);

@@ -298,17 +298,6 @@ mod tests {
     }
 
     #[test]
-    fn one_build_greets_itself() {
-        let (mut analog, mut digital) = strangers();
-        std::thread::scope(|scope| {
-            scope.spawn(|| analog.greet().unwrap());
-            digital.greet().unwrap();
-        });
-        assert_eq!(analog.protocol, digital.protocol);
-        assert_eq!(analog.protocol, Protocol::greeted());
-    }
-
-    #[test]
     fn another_build_is_refused_and_both_sides_say_why() {
         let ours = protocol::layout_hash();
         for (version, layout_hash, word) in [

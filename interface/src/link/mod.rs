@@ -90,36 +90,18 @@ impl LinkFault {
 /// The analog processor's end.
 pub trait AnalogPort {
     /// Sends samples n.
-    ///
-    /// # Errors
-    /// [`LinkFault`] when the partner is gone or the transport fails.
     fn send_samples(&mut self, samples: &Samples) -> Result<(), LinkFault>;
     /// Waits for updates n.
-    ///
-    /// # Errors
-    /// [`LinkFault`] on a deadline, a dead partner or another frame number.
     fn await_updates(&mut self, frame: u64) -> Result<Updates, LinkFault>;
     /// Takes updates n if they have arrived already (free-running sessions). There an
     /// update of an earlier frame that comes late is given too; its number tells.
-    ///
-    /// # Errors
-    /// As [`AnalogPort::await_updates`].
     fn poll_updates(&mut self, frame: u64) -> Result<Option<Updates>, LinkFault>;
     /// Looks whether somebody still waits for this side, which is computing; cheap enough
     /// to be asked every few microseconds.
-    ///
-    /// # Errors
-    /// [`LinkFault`] when the partner is gone or this process was interrupted.
     fn attend(&mut self) -> Result<(), LinkFault>;
     /// Waits for the next request, as long as the partner lives.
-    ///
-    /// # Errors
-    /// [`LinkFault`] when the partner is gone or this process was interrupted.
     fn await_request(&mut self) -> Result<Request, LinkFault>;
     /// Answers the last request.
-    ///
-    /// # Errors
-    /// [`LinkFault`] when the transport fails.
     fn reply(&mut self, reply: &Reply) -> Result<(), LinkFault>;
 }
 
@@ -127,18 +109,9 @@ pub trait AnalogPort {
 pub trait DigitalPort {
     /// Waits for samples n. In a free-running session that overran, the samples that
     /// come may bear a later number; in lock-step never.
-    ///
-    /// # Errors
-    /// [`LinkFault`] on a deadline, a dead partner or another frame number.
     fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault>;
     /// Sends updates n.
-    ///
-    /// # Errors
-    /// [`LinkFault`] when the partner is gone or the transport fails.
     fn send_updates(&mut self, updates: &Updates) -> Result<(), LinkFault>;
     /// Sends a request and waits for its reply.
-    ///
-    /// # Errors
-    /// [`LinkFault`] on a deadline or a dead partner.
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault>;
 }

@@ -77,9 +77,6 @@ pub fn hello_reply() -> Reply {
 }
 
 /// Compares the partner's greeting with this build's.
-///
-/// # Errors
-/// [`ProtocolError::Version`] or [`ProtocolError::Layout`].
 pub fn check_hello(version: u32, layout: u64) -> Result<(), ProtocolError> {
     let ours = layout_hash();
     if version != VERSION {

@@ -41,33 +41,23 @@ pub struct Session(Arc<Place>);
 
 impl Session {
     /// Creates a session in the user's base directory; without a name it gets a fresh one.
-    ///
-    /// # Errors
-    /// [`SessionError`]; a live session of the same name is never disturbed.
+    /// A live session of the same name is never disturbed.
     pub fn create(side: Side, name: Option<&str>) -> Result<Session, SessionError> {
         Session::create_in(&base_directory(), side, name)
     }
 
     /// Joins a session whose other side is alive.
-    ///
-    /// # Errors
-    /// [`SessionError`]; when the other side is gone, what it left is removed first.
+    /// When the other side is gone, what it left is removed first.
     pub fn join(side: Side, name: &str) -> Result<Session, SessionError> {
         Session::join_in(&base_directory(), side, name)
     }
 
     /// Every session that runs, by name.
-    ///
-    /// # Errors
-    /// [`SessionError`] when the base cannot be read.
     pub fn list() -> Result<Vec<SessionInfo>, SessionError> {
         Session::list_in(&base_directory())
     }
 
     /// [`Session::create`] in a given base directory.
-    ///
-    /// # Errors
-    /// As [`Session::create`].
     pub fn create_in(base: &Path, side: Side, name: Option<&str>) -> Result<Session, SessionError> {
         if let Some(name) = name {
             check_name(name)?;
@@ -103,9 +93,6 @@ impl Session {
     }
 
     /// [`Session::join`] in a given base directory.
-    ///
-    /// # Errors
-    /// As [`Session::join`].
     pub fn join_in(base: &Path, side: Side, name: &str) -> Result<Session, SessionError> {
         check_name(name)?;
         let unknown = |known| SessionError::Unknown { name: name.to_owned(), known };
@@ -137,9 +124,6 @@ impl Session {
     }
 
     /// [`Session::list`] in a given base directory.
-    ///
-    /// # Errors
-    /// As [`Session::list`].
     pub fn list_in(base: &Path) -> Result<Vec<SessionInfo>, SessionError> {
         let Some(held) = BaseLock::existing(base)? else {
             return Ok(Vec::new());
@@ -148,9 +132,6 @@ impl Session {
     }
 
     /// Removes what dead processes left in a base directory.
-    ///
-    /// # Errors
-    /// [`SessionError`] when the base cannot be read.
     pub fn sweep_in(base: &Path) -> Result<(), SessionError> {
         if let Some(held) = BaseLock::existing(base)? {
             sweep(held.path());
@@ -202,18 +183,12 @@ impl Session {
 
     /// A child just started to be the partner, which has not joined yet. The
     /// caller must not have reaped it.
-    ///
-    /// # Errors
-    /// [`SessionError::Io`] when no such process exists.
     pub fn child(&self, pid: u32) -> Result<Partner, SessionError> {
         Partner::open(self.side().partner(), pid, None)
             .map_err(|e| SessionError::io("watching the partner", self.root(), e.into()))
     }
 
     /// The partner, once it has joined.
-    ///
-    /// # Errors
-    /// [`SessionError`] when the base cannot be locked.
     pub fn partner(&self) -> Result<Option<Partner>, SessionError> {
         // Under the base's lock: a held lock file is complete and its pid is its holder's.
         let Some(_held) = BaseLock::existing(&self.0.base)? else {

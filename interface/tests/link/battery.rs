@@ -95,18 +95,20 @@ pub fn updates(samples: &Samples) -> Updates {
     updates
 }
 
-pub fn load(port: &mut (impl DigitalPort + ?Sized)) {
+pub fn load(port: &mut (impl DigitalPort + ?Sized)) -> Result<(), LinkFault> {
     let bundle =
         PatchBundle { root: "a.toml".into(), files: vec![("a.toml".into(), "[blocks]".into())] };
     let hash = bundle.hash();
-    let reply = port
-        .request(&Request::Load {
-            bundle,
-            params: vec![("w".into(), f64::NAN)],
-            profile: Profile::default(),
-        })
-        .unwrap();
+    let params = vec![("w".into(), f64::NAN)];
+    let reply = port.request(&Request::Load { bundle, params, profile: Profile::default() })?;
     assert!(matches!(reply, Reply::Loaded { patch_hash, .. } if patch_hash == hash));
+    Ok(())
+}
+
+/// Loads a patch and starts a run.
+fn operate(port: &mut dyn DigitalPort, clock: Clock) {
+    load(port).unwrap();
+    port.request(&Request::Operate(spec(clock))).unwrap();
 }
 
 /// Answers requests until one starts a run (true) or ends the session (false).
@@ -158,7 +160,7 @@ fn frames_arrive_unchanged_and_in_order() {
             }
         },
         |port| {
-            load(port);
+            load(port).unwrap();
             for _ in 0..3 {
                 port.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
                 for n in 0..FRAMES {
@@ -212,8 +214,7 @@ fn a_dropped_end_is_a_dead_partner() {
             }
         },
         |port| {
-            load(port);
-            port.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
+            operate(port, Clock::LockStep);
             for n in 0..3 {
                 let got = port.await_samples(n).unwrap();
                 port.send_updates(&updates(&got)).unwrap();
@@ -243,8 +244,7 @@ fn a_wrong_order_is_refused_by_either_end() {
             assert!(matches!(port.await_updates(1), Err(LinkFault::PartnerDied { .. })));
         },
         |port| {
-            load(port);
-            port.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
+            operate(port, Clock::LockStep);
             let got = port.await_samples(0).unwrap();
             assert!(matches!(port.request(&Request::StaticCheck), Err(LinkFault::Protocol { .. })));
             let mut other = updates(&got);
@@ -277,8 +277,7 @@ fn a_session_on_the_wall_clock_skips_and_takes_late_updates() {
             assert!(!serve(port).unwrap());
         },
         |port| {
-            load(port);
-            port.request(&Request::Operate(spec(Clock::Wall { processor: None }))).unwrap();
+            operate(port, Clock::Wall { processor: None });
             let first = port.await_samples(0).unwrap();
             port.send_updates(&updates(&first)).unwrap();
             let third = port.await_samples(3).unwrap();
@@ -371,8 +370,7 @@ proptest! {
                 assert_eq!(got.dcu.map(f64::to_bits), answer().dcu.map(f64::to_bits));
             },
             |port| {
-                load(port);
-                port.request(&Request::Operate(spec(Clock::LockStep))).unwrap();
+                operate(port, Clock::LockStep);
                 let got = port.await_samples(0).unwrap();
                 assert_eq!(got.adc.map(f64::to_bits), sent().adc.map(f64::to_bits));
                 port.send_updates(&answer()).unwrap();

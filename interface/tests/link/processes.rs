@@ -12,7 +12,7 @@ use interface::{
     session::{Session, SessionError},
 };
 use std::{
-    path::Path,
+    path::{Path, PathBuf},
     process::{Child, Command, Stdio},
     time::{Duration, Instant},
 };
@@ -62,7 +62,21 @@ impl Drop for Role {
     }
 }
 
-fn told() -> Option<(std::path::PathBuf, String)> {
+/// A base that is not there yet, in a folder that goes with the test.
+fn fresh_base() -> (tempfile::TempDir, PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base");
+    (dir, base)
+}
+
+/// A session of a base, and a partner that is starting.
+fn meet(base: &Path) -> (Session, Role) {
+    let session = Session::create_in(base, Side::Digital, None).unwrap();
+    let child = Role::start("partner", base, session.name());
+    (session, child)
+}
+
+fn told() -> Option<(PathBuf, String)> {
     Some((std::env::var_os(BASE)?.into(), std::env::var(NAME).ok()?))
 }
 
@@ -130,7 +144,7 @@ fn launcher() {
 }
 
 fn digital_life(port: &mut impl DigitalPort, frames: u64) -> Result<(), LinkFault> {
-    load(port);
+    load(port)?;
     port.request(&Request::Operate(spec(Clock::LockStep)))?;
     for n in 0..frames {
         let got = port.await_samples(n)?;
@@ -146,33 +160,27 @@ fn digital_life(port: &mut impl DigitalPort, frames: u64) -> Result<(), LinkFaul
     Ok(())
 }
 
-/// A whole session with a child; gives the time from start to the first frame.
+/// A whole session with a child.
 fn fly(base: &Path, frames: u64) {
-    let session = Session::create_in(base, Side::Digital, None).unwrap();
-    let child = Role::start("partner", base, session.name());
+    let (session, mut child) = meet(base);
     let mut port = ShmDigital::open(&session, Some(child.pid()), &patience()).unwrap();
     digital_life(&mut port, frames).unwrap();
     drop(port);
-    let mut child = child;
     assert!(child.0.wait().unwrap().success());
 }
 
 #[test]
 fn two_processes_exchange_frames() {
-    let dir = tempfile::tempdir().unwrap();
-    let base = dir.path().join("base");
+    let (_dir, base) = fresh_base();
     for _ in 0..3 {
         fly(&base, 2000);
         assert!(!base.exists());
     }
-    let ours = std::fs::read_dir("/dev/shm").unwrap().count();
-    assert!(ours < 1000);
 }
 
 #[test]
 fn two_processes_share_one_core() {
-    let dir = tempfile::tempdir().unwrap();
-    let base = dir.path().join("base");
+    let (_dir, base) = fresh_base();
     // The child inherits this thread's mask, and both then run on one core.
     let base = &base;
     std::thread::scope(|scope| {
@@ -197,11 +205,9 @@ fn the_launcher_notices_a_kill_at_any_moment() {
     for delay_us in
         [0, 300, 1_000, 2_000, 3_000, 4_000, 5_000, 6_000, 8_000, 12_000, 20_000, 60_000]
     {
-        let dir = tempfile::tempdir().unwrap();
-        let base = dir.path().join("base");
-        let session = Session::create_in(&base, Side::Digital, None).unwrap();
+        let (_dir, base) = fresh_base();
+        let (session, child) = meet(&base);
         let prefix = session.prefix().to_owned();
-        let child = Role::start("partner", &base, session.name());
         let pid = child.pid();
         let killer = std::thread::spawn(move || {
             std::thread::sleep(Duration::from_micros(delay_us));
@@ -212,7 +218,7 @@ fn the_launcher_notices_a_kill_at_any_moment() {
         let fault = match ShmDigital::open(&session, Some(pid), &patience()) {
             Ok(mut port) => {
                 let request = port.request(&Request::StaticCheck);
-                let life = request.and_then(|_| digital_life_or_fault(&mut port));
+                let life = request.and_then(|_| digital_life(&mut port, u64::MAX));
                 life.unwrap_err()
             }
             Err(fault) => fault,
@@ -229,26 +235,10 @@ fn the_launcher_notices_a_kill_at_any_moment() {
     }
 }
 
-fn digital_life_or_fault(port: &mut impl DigitalPort) -> Result<(), LinkFault> {
-    let bundle = interface::control::PatchBundle::default();
-    port.request(&Request::Load {
-        bundle,
-        params: vec![],
-        profile: interface::profile::Profile::ideal(),
-    })?;
-    port.request(&Request::Operate(spec(Clock::LockStep)))?;
-    for n in 0.. {
-        let got = port.await_samples(n)?;
-        port.send_updates(&updates(&got))?;
-    }
-    Ok(())
-}
-
 #[test]
 fn the_child_survives_its_launcher_and_cleans_up() {
     for delay_ms in [0, 5, 10, 15, 20, 30, 40, 60, 100] {
-        let dir = tempfile::tempdir().unwrap();
-        let base = dir.path().join("base");
+        let (_dir, base) = fresh_base();
         let launcher = Role::start("launcher", &base, "doomed");
         // Until the launcher has started its child, there is no survivor to test.
         let pids = base.with_extension("pid");
@@ -276,8 +266,7 @@ fn the_child_survives_its_launcher_and_cleans_up() {
         if let Ok(text) = std::fs::read_to_string(base.with_extension("noticed")) {
             assert!(text.contains("(last frame "), "{text}");
         }
-        let canonical = dir.path().canonicalize().unwrap().join("base");
-        assert!(!canonical.exists(), "{delay_ms} ms: {} is left", canonical.display());
+        assert!(!base.exists(), "{delay_ms} ms: {} is left", base.display());
     }
 }
 
@@ -292,10 +281,8 @@ fn stopped(pid: u32) -> bool {
 
 #[test]
 fn a_stopped_partner_meets_the_deadline() {
-    let dir = tempfile::tempdir().unwrap();
-    let base = dir.path().join("base");
-    let session = Session::create_in(&base, Side::Digital, None).unwrap();
-    let child = Role::start("partner", &base, session.name());
+    let (_dir, base) = fresh_base();
+    let (session, child) = meet(&base);
     let impatient = Patience {
         // Longer than a busy machine keeps a live partner from answering.
         silence: Duration::from_secs(1),
@@ -319,11 +306,9 @@ fn a_stopped_partner_meets_the_deadline() {
 
 #[test]
 fn a_computing_partner_may_take_its_time_up_to_a_limit() {
-    let dir = tempfile::tempdir().unwrap();
-    let base = dir.path().join("base");
+    let (_dir, base) = fresh_base();
     for (busy_limit, patient) in [(60, true), (0, false)] {
-        let session = Session::create_in(&base, Side::Digital, None).unwrap();
-        let child = Role::start("partner", &base, session.name());
+        let (session, child) = meet(&base);
         let patience = Patience {
             // The partner answers after 1.5 s of computing.
             silence: Duration::from_millis(500),
@@ -339,8 +324,7 @@ fn a_computing_partner_may_take_its_time_up_to_a_limit() {
 
 #[test]
 fn sessions_side_by_side_do_not_disturb_each_other() {
-    let dir = tempfile::tempdir().unwrap();
-    let base = dir.path().join("base");
+    let (_dir, base) = fresh_base();
     let base = &base;
     std::thread::scope(|scope| {
         for _ in 0..50 {
@@ -356,14 +340,13 @@ fn a_partner_that_dies_between_making_and_filling_a_file_holds_up_nobody() {
     // another one fail at the moment that it has a name and no length.
     for longest in [5_000, 50_000, 90_000, 150_000] {
         for _ in 0..3 {
-            let dir = tempfile::tempdir().unwrap();
-            let base = dir.path().join("base");
+            let (_dir, base) = fresh_base();
             let session = Session::create_in(&base, Side::Digital, None).unwrap();
             let prefix = session.prefix().to_owned();
             let mut child = Role::start_with("partner", &base, session.name(), Some(longest));
             let started = Instant::now();
             let opened = ShmDigital::open(&session, Some(child.pid()), &patience())
-                .and_then(|mut port| digital_life_or_fault(&mut port));
+                .and_then(|mut port| digital_life(&mut port, u64::MAX));
             // Start-up included.
             let took = started.elapsed();
             let ended = child.0.wait().unwrap();
@@ -386,7 +369,7 @@ fn server() {
 }
 
 /// Shared-memory files of a session that end like this.
-fn shared(prefix: &str, end: &str) -> Vec<std::path::PathBuf> {
+fn shared(prefix: &str, end: &str) -> Vec<PathBuf> {
     let files = std::fs::read_dir("/dev/shm").unwrap().flatten();
     let named = files.filter(|e| {
         let name = e.file_name().into_string().unwrap();
@@ -397,8 +380,7 @@ fn shared(prefix: &str, end: &str) -> Vec<std::path::PathBuf> {
 
 #[test]
 fn a_half_made_service_holds_up_nobody() {
-    let dir = tempfile::tempdir().unwrap();
-    let base = dir.path().join("base");
+    let (_dir, base) = fresh_base();
     let server = Role::start("server", &base, "lab");
     let started = Instant::now();
     let prefix = loop {
@@ -441,10 +423,8 @@ fn a_half_made_service_holds_up_nobody() {
 #[test]
 fn all_shared_memory_is_private() {
     use std::os::unix::fs::PermissionsExt;
-    let dir = tempfile::tempdir().unwrap();
-    let base = dir.path().join("base");
-    let session = Session::create_in(&base, Side::Digital, None).unwrap();
-    let child = Role::start("partner", &base, session.name());
+    let (_dir, base) = fresh_base();
+    let (session, child) = meet(&base);
     let mut port = ShmDigital::open(&session, Some(child.pid()), &patience()).unwrap();
     port.request(&Request::StaticCheck).unwrap();
     let mut files = 0;
@@ -467,11 +447,10 @@ fn a_base_at_the_limit_of_its_length_works() {
     let base = dir.path().join("x".repeat(room));
     let name = "n".repeat(48);
     let session = Session::create_in(&base, Side::Digital, Some(&name)).unwrap();
-    let child = Role::start("partner", &base, session.name());
+    let mut child = Role::start("partner", &base, session.name());
     let mut port = ShmDigital::open(&session, Some(child.pid()), &patience()).unwrap();
     digital_life(&mut port, 10).unwrap();
     drop(port);
-    let mut child = child;
     assert!(child.0.wait().unwrap().success());
     drop(session);
     assert!(!base.exists());

@@ -7,7 +7,6 @@
 //! it comes from time, an integrated phase or anything else.
 
 use crate::element::delay::DelayLine;
-use crate::machine::Machine;
 use crate::op::{Op, Slot, Term};
 use crate::signal::Rated;
 
@@ -127,10 +126,34 @@ impl Pace {
         }
     }
 
+    /// The magnitude of a divisor, a radicand or a vector.
+    pub(crate) fn size(&self, nets: &[Rated]) -> f64 {
+        match *self {
+            Pace::Pole(slot) => nets[slot as usize].value.abs(),
+            Pace::Direction { y, x, .. } => Vector::of(y, x, nets).size(),
+            Pace::Angle(..) | Pace::Line(_) => 0.0,
+        }
+    }
+
+    /// The element of a vector that is at its origin as far as time is resolved, to `resolution_s`.
+    pub(crate) fn at_origin(&self, resolution_s: f64, nets: &[Rated], largest: f64) -> Option<u32> {
+        let Pace::Direction { e, y, x } = *self else { return None };
+        let vector = Vector::of(y, x, nets);
+        let (size, rate) = (vector.size(), vector.x.rate.abs().max(vector.y.rate.abs()));
+        let near = size <= AT_ORIGIN * largest && size <= ORIGIN_SPAN * resolution_s * rate;
+        near.then_some(e)
+    }
+
     /// The longest step from here, s; `largest` is the greatest magnitude that a divisor or
     /// radicand has had.
     #[inline]
-    fn limit_s(&self, lines: &[DelayLine], t_s: f64, nets: &[Rated], largest: f64) -> f64 {
+    pub(crate) fn limit_s(
+        &self,
+        lines: &[DelayLine],
+        t_s: f64,
+        nets: &[Rated],
+        largest: f64,
+    ) -> f64 {
         match *self {
             Pace::Angle(term, turn) => turn / (term.c * nets[term.slot as usize].rate).abs(),
             Pace::Direction { y, x, .. } => {
@@ -158,7 +181,7 @@ impl Pace {
     /// Whether the step of `h_s` that ends here stayed within the bound, seen from its end. A vector
     /// that passes zero is refused: its angle jumps.
     #[inline]
-    fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
+    pub(crate) fn kept(&self, h_s: f64, start: &[Rated], end: &[Rated], largest: f64) -> bool {
         match *self {
             Pace::Angle(term, turn) => {
                 let slot = term.slot as usize;
@@ -184,77 +207,5 @@ impl Pace {
             }
             Pace::Line(_) => true,
         }
-    }
-}
-
-/// What is known of the paces of a running machine.
-#[derive(Clone, Debug)]
-pub struct Paces {
-    /// The greatest magnitude of each divisor, radicand or vector so far.
-    largest: Vec<f64>,
-    /// The longest step from here, s, and what bounds it.
-    pub limit_s: f64,
-    pub bounded_by: usize,
-}
-
-impl Paces {
-    pub fn new(machine: &Machine) -> Paces {
-        Paces { largest: vec![0.0; machine.paces.len()], limit_s: f64::INFINITY, bounded_by: 0 }
-    }
-
-    pub fn reset(&mut self) {
-        self.largest.fill(0.0);
-    }
-
-    /// Finds the longest step from `t_s`.
-    pub fn look(&mut self, machine: &Machine, lines: &[DelayLine], t_s: f64, nets: &[Rated]) {
-        self.limit_s = f64::INFINITY;
-        for (i, (pace, _)) in machine.paces.iter().enumerate() {
-            let size = match *pace {
-                Pace::Pole(slot) => nets[slot as usize].value.abs(),
-                Pace::Direction { y, x, .. } => Vector::of(y, x, nets).size(),
-                Pace::Angle(..) | Pace::Line(_) => 0.0,
-            };
-            self.largest[i] = self.largest[i].max(size);
-            let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i]);
-            // What does not move has no bound, even where it is not defined.
-            if limit_s < self.limit_s {
-                (self.limit_s, self.bounded_by) = (limit_s, i);
-            }
-        }
-    }
-
-    /// The element of a vector that is at its origin as far as time is resolved, to
-    /// `resolution_s`: of what bounds the step, where that is too short (`bounded`); else one that
-    /// is about to pass.
-    pub fn at_origin(
-        &self,
-        machine: &Machine,
-        resolution_s: f64,
-        nets: &[Rated],
-        bounded: bool,
-    ) -> Option<u32> {
-        machine.paces.iter().enumerate().find_map(|(i, (pace, _))| {
-            let Pace::Direction { e, y, x } = *pace else {
-                return None;
-            };
-            let vector = Vector::of(y, x, nets);
-            let (size, rate) = (vector.size(), vector.x.rate.abs().max(vector.y.rate.abs()));
-            let near =
-                size <= AT_ORIGIN * self.largest[i] && size <= ORIGIN_SPAN * resolution_s * rate;
-            let causes = if bounded { i == self.bounded_by } else { size > 0.0 };
-            (near && causes).then_some(e)
-        })
-    }
-
-    /// Whether the step of `h_s` between these nets hid nothing.
-    pub fn kept(&mut self, machine: &Machine, h_s: f64, start: &[Rated], end: &[Rated]) -> bool {
-        for (i, (pace, _)) in machine.paces.iter().enumerate() {
-            if !pace.kept(h_s, start, end, self.largest[i]) {
-                self.bounded_by = i;
-                return false;
-            }
-        }
-        true
     }
 }

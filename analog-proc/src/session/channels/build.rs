@@ -14,9 +14,6 @@ use interface::{
 
 impl Channels {
     /// Collects the channels of a patch and sets the machine to their initial values.
-    ///
-    /// # Errors
-    /// A text naming the converters that have bits but no full scale.
     pub fn new(
         netlist: &Netlist,
         profile: &Profile,

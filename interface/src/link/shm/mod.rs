@@ -55,10 +55,6 @@ impl ShmAnalog {
     ///
     /// `child` is the pid of a partner that the caller has started (and not
     /// reaped); without it the partner is whoever joins the session.
-    ///
-    /// # Errors
-    /// [`LinkFault`] when the partner dies, does not come within
-    /// [`Patience::arrival`] or is another build, or the transport fails.
     pub fn open(
         session: &Session,
         child: Option<u32>,
@@ -93,9 +89,6 @@ impl ShmDigital {
     ///
     /// `child` is the pid of a partner that the caller has started (and not
     /// reaped); without it the partner is whoever has joined the session.
-    ///
-    /// # Errors
-    /// As [`ShmAnalog::open`].
     pub fn open(
         session: &Session,
         child: Option<u32>,
