@@ -13,19 +13,11 @@ use super::{
         theory::{C64, damping_ratio, equivalent_root},
     },
     LoopCase, LoopStudy,
-    remark::Remark,
+    remark::{Remark, STEPS_HIGH, WORST_FIT},
     swing::Swing,
 };
 use nalgebra::ComplexField;
 
-/// What of a record its modes may leave (rms over rms of the record about its mean) for a damping
-/// to be told, where no converter is in the way.
-///
-/// Decays of linear loops leave 1e-12 to 1e-7 (tolerance of the integration). Where the loop is
-/// not linear all through, modes bend to it: a limiter that acts for the first swing left 0.005
-/// and moved ζ by 0.02, one that left 2e-4 moved it by less than 1e-4. A step of the reference
-/// within the record or a relay leaves 0.02 to 1.
-pub const WORST_FIT: f64 = 1e-3;
 /// What a converter adds to that, steps (rms): its rounding is 1/√12 = 0.29 of a step, and comes
 /// back through the loop.
 const STEPS_LEFT: f64 = 0.5;
@@ -195,9 +187,6 @@ fn peak(part: &[f64]) -> f64 {
     part.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
 }
 
-/// A ring-down is judged while it is at least this many converter steps high: below, the loop
-/// hunts about one step and has no damping to speak of.
-pub(super) const STEPS_HIGH: f64 = 10.0;
 /// Share of a record's peak below which two samples differ by rounding, not by a converter step.
 const ROUNDING: f64 = 1e-9;
 

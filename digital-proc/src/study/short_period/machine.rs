@@ -12,7 +12,7 @@ use super::{
     coefficients::Settings,
     control_loop::{ControlLoop, Response},
     plan::Plan,
-    results::{Results, Run},
+    results::{Occurrence, Results, Run},
 };
 use crate::linkage::console::{Console, ConsoleFault};
 use interface::{
@@ -59,25 +59,6 @@ impl Patches {
             ControlLoop::YawRoll => &self.yaw_roll,
         }
     }
-}
-
-/// What may happen in a run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Occurrence {
-    /// The machine stopped it; its samples end there.
-    #[error("stopped at {time}: {fault}")]
-    Stopped {
-        /// Problem time of the last frame.
-        time: Tick,
-        /// The analog side's account.
-        fault: String,
-    },
-    /// A converter or coefficient unit was driven beyond its range.
-    #[error("a converter was saturated")]
-    Saturated,
-    /// Blocks were overloaded: their names, in order of time.
-    #[error("overloaded: {}", .0.join(", "))]
-    Overloaded(Vec<String>),
 }
 
 /// A loaded patch with the numbers of its sampled channels.

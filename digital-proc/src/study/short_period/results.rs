@@ -4,9 +4,28 @@
 
 use super::agreement::Agreement;
 use super::control_loop::{ControlLoop, Response, Test};
-use super::machine::Occurrence;
 use super::measure::Measures;
 use super::plan::{Case, Plan};
+use interface::Tick;
+
+/// What may happen in a run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Occurrence {
+    /// The machine stopped it; its samples end there.
+    #[error("stopped at {time}: {fault}")]
+    Stopped {
+        /// Problem time of the last frame.
+        time: Tick,
+        /// The analog side's account.
+        fault: String,
+    },
+    /// A converter or coefficient unit was driven beyond its range.
+    #[error("a converter was saturated")]
+    Saturated,
+    /// Blocks were overloaded: their names, in order of time.
+    #[error("overloaded: {}", .0.join(", "))]
+    Overloaded(Vec<String>),
+}
 
 /// One run.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,9 +4,19 @@
 //! units. 17 significant digits determine an `f64`, so reading back is exact.
 
 use std::fmt::Write as _;
+use std::fs::File;
 use std::io::{self, Write};
+use std::path::Path;
 
-use super::Trace;
+use super::{RunDirError, Trace};
+
+impl Trace {
+    /// Writes the trace as CSV to the file `path`.
+    pub fn export_csv(&self, path: &Path) -> Result<(), RunDirError> {
+        let file = File::create(path).map_err(RunDirError::write(path))?;
+        write_csv(self, file).map_err(RunDirError::write(path))
+    }
+}
 
 /// Writes `trace` to `sink`. Values that are not numbers appear as `NaN`, `inf`, `-inf`.
 pub fn write_csv<W: Write>(trace: &Trace, sink: W) -> io::Result<()> {
@@ -38,8 +48,6 @@ pub fn write_csv<W: Write>(trace: &Trace, sink: W) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use interface::Tick;
     use proptest::prelude::*;
 

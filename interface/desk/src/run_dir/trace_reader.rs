@@ -135,12 +135,6 @@ impl Trace {
                 ))
             })
     }
-
-    /// Writes the trace as CSV to the file `path`.
-    pub fn export_csv(&self, path: &Path) -> Result<(), RunDirError> {
-        let file = File::create(path).map_err(RunDirError::write(path))?;
-        super::write_csv(self, file).map_err(RunDirError::write(path))
-    }
 }
 
 /// Opens a file that can be read to its end: a pipe in its place would be waited for.

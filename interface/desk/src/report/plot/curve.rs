@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
+use super::chart::{Draw, LineChart, Series};
 use super::decimate;
 use super::frame::Area;
-use super::line_chart::{Draw, LineChart, Series};
 use super::pen::{Point, markers, polyline};
 
 /// A series, its points mapped by the axes, cut at its gaps.

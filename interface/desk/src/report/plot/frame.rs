@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::axis::FittedAxis;
-use super::line_chart::Size;
+use super::chart::Size;
 use super::pen::{Point, Px, markers, polyline};
 
 /// Mean width of a character at the labels' size.

@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::axis::{Axis, Scale};
+use super::chart::Size;
 use super::frame::frame;
-use super::line_chart::Size;
 use super::pen::Px;
 
 /// What a histogram shows.

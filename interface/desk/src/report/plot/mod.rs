@@ -6,6 +6,7 @@
 //! chart with nothing to draw says so in its frame.
 
 mod axis;
+mod chart;
 mod compared;
 mod curve;
 mod decimate;
@@ -17,10 +18,11 @@ mod pen;
 mod tornado;
 
 pub use axis::{Axis, Scale};
+pub use chart::{Draw, Limit, LineChart, Mark, Series, Size};
 pub use compared::{Compared, measured_vs_theory};
 pub use heat_map::{HeatCell, HeatMap, heat_map};
 pub use histogram::{Histogram, histogram};
-pub use line_chart::{Draw, Limit, LineChart, Mark, Series, Size, line_chart};
+pub use line_chart::line_chart;
 pub use tornado::{Tornado, TornadoBar, tornado};
 
 /// Number of line styles before they repeat.
