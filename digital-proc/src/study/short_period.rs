@@ -21,7 +21,6 @@ pub mod paper;
 pub mod places;
 pub mod plan;
 pub mod point;
-pub mod quantity;
 pub mod reference;
 pub mod results;
 mod study_check;

@@ -1,10 +1,9 @@
 //! The dispersion file: what is dispersed, by how much, and at which points.
 
 use crate::study::short_period::{
-    places::{PointEntry, locate_all},
-    point::FrozenPoint,
-    quantity::Quantity,
-    study_file::{Study, StudyError},
+    places::locate_all,
+    point::{FrozenPoint, Quantity},
+    study_file::{PointEntry, Study, StudyError},
 };
 use desk::faults::{FileFaults, Source};
 use desk::reader::{self, FileKind, SheetFields};

@@ -5,9 +5,8 @@
 //! refined on a fine one, so that a time found is a multiple of a millisecond. A point that
 //! the flight lacks is told with its reason; who asked for it decides whether that is a fault.
 
-use super::study_file::{Study, StudyError};
+use super::study_file::{Event, Place, PointEntry, Study, StudyError};
 use desk::faults::{FileFault, FileFaults, Source};
-use desk::reader::Span;
 use vehicle::Vehicle;
 use vehicle::slice::{self, SlicePoint};
 use vehicle::trajectory::FlightError;
@@ -16,59 +15,6 @@ use vehicle::trajectory::FlightError;
 const COARSE_S: f64 = 0.1;
 /// Interval to which they are then refined, s.
 const FINE_S: f64 = 0.001;
-
-/// A trajectory point as asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointEntry {
-    /// Name.
-    pub name: String,
-    /// What it is.
-    pub title: String,
-    /// Where on the trajectory.
-    pub at: Place,
-    /// Added to the time found, s.
-    pub offset_s: f64,
-    /// Where it stands in the file.
-    pub(crate) span: Span,
-}
-
-/// Where on the trajectory a point lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
-    /// At a flight time, s.
-    Time(f64),
-    /// At an event.
-    Event(Event),
-    /// Where a Mach number is first reached.
-    Mach(f64),
-    /// At the n-th switching of the designed schedule, counted from 1.
-    GainSwitch(usize),
-}
-
-/// Events of the nominal flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// The pitch programme begins.
-    PitchInitiation,
-    /// Middle of the interval of greatest pitch rate.
-    MaxPitchRate,
-    /// Fin-tip control is switched in.
-    FtcOn,
-    /// Dynamic pressure is greatest.
-    MaxQ,
-    /// The motor has burnt out.
-    BurnOut,
-}
-
-impl Event {
-    pub(super) const ALL: [(&'static str, Event); 5] = [
-        ("pitch-initiation", Event::PitchInitiation),
-        ("max-pitch-rate", Event::MaxPitchRate),
-        ("ftc-on", Event::FtcOn),
-        ("max-q", Event::MaxQ),
-        ("burn-out", Event::BurnOut),
-    ];
-}
 
 /// Why a flight lacks a point.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

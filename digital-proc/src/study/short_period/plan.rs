@@ -10,7 +10,7 @@ use super::coefficients::{Disturbance, Offsets, Settings};
 use super::control_loop::{ControlLoop, Test};
 use super::places::{gyro_stations, locate_all};
 use super::point::FrozenPoint;
-use super::quantity::QUANTITIES;
+use super::point::QUANTITIES;
 use super::study_file::{Condition, GainSource, How, Study, StudyError};
 use interface::Tick;
 use vehicle::Vehicle;

@@ -4,7 +4,6 @@
 //! coefficients, so that a condition says "rate-gyro slope" or "thrust-vector
 //! time constant" and not "coefficient 18". SI units, radians, seconds.
 
-use super::quantity::Quantity;
 use desk::reader::Range;
 use vehicle::Vehicle;
 use vehicle::airframe::DAMPING_AIRSPEED_FLOOR_MPS;
@@ -142,9 +141,49 @@ frozen! { data, slice, gains;
     filter_pole_radps = data.bending.filter_corner_radps, "filter-pole" "rad/s" 1.0, Any;
 }
 
+/// One quantity that a condition may multiply or replace.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantity {
+    /// Name in the study file.
+    pub name: &'static str,
+    /// Unit in which the study file states it.
+    pub unit: &'static str,
+    /// SI value of one such unit.
+    pub unit_in_si: f64,
+    /// Which values make sense.
+    pub range: Range,
+    /// Where it lies in the point.
+    field: fn(&mut FrozenPoint) -> &mut f64,
+}
+
+impl Quantity {
+    /// All of them, as words of a file.
+    pub fn by_name() -> Vec<(&'static str, &'static Quantity)> {
+        QUANTITIES.iter().map(|q| (q.name, q)).collect()
+    }
+
+    /// Its value at a point, SI.
+    pub fn get(&self, point: &FrozenPoint) -> f64 {
+        let mut copy = *point;
+        *(self.field)(&mut copy)
+    }
+
+    /// Sets it, SI.
+    pub fn set(&self, point: &mut FrozenPoint, value_si: f64) {
+        *(self.field)(point) = value_si;
+    }
+}
+
+impl PartialEq for Quantity {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::FrozenPoint;
+    use super::QUANTITIES;
 
     /// The stage near maximum dynamic pressure in round numbers.
     pub(crate) fn numbered() -> FrozenPoint {
@@ -193,6 +232,18 @@ pub(crate) mod tests {
             gyro_frequency_radps: 100.0,
             gyro_damping: 0.7,
             filter_pole_radps: 30.0,
+        }
+    }
+
+    /// A macro line that names the wrong field would alias two quantities.
+    #[test]
+    fn every_quantity_is_a_field_of_its_own() {
+        let mut point = numbered();
+        for (index, quantity) in QUANTITIES.iter().enumerate() {
+            quantity.set(&mut point, 1000.0 + index as f64);
+        }
+        for (index, quantity) in QUANTITIES.iter().enumerate() {
+            assert_eq!(quantity.get(&point), 1000.0 + index as f64, "{}", quantity.name);
         }
     }
 }

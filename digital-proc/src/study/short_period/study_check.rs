@@ -1,16 +1,36 @@
 //! From the text of a study to a checked one: every fault that can be told apart.
 
-use super::places::{Event, Place, PointEntry};
-use super::quantity::Quantity;
-use super::study_file::{Change, Condition, GainSource, How, PitchTest, Study, YawRollTest};
+use super::point::Quantity;
+use super::study_file::{
+    Change, Condition, Event, GainSource, How, PitchTest, Place, PointEntry, SHIPPED_NAME,
+    SHIPPED_TEXT, Study, YawRollTest,
+};
 use desk::faults::{FileFaults, Source};
 use desk::reader::{self, FileKind, Range::Any, SheetFields};
+use std::path::Path;
 
 /// Longest run offered, s.
 const LONGEST_S: f64 = 600.0;
 
+impl Study {
+    /// The shipped study.
+    pub fn shipped() -> Result<Study, FileFaults> {
+        Study::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
+    }
+
+    /// Reads a user's file.
+    pub fn load(path: &Path) -> Result<Study, FileFaults> {
+        reader::load(path, Study::from_toml)
+    }
+
+    /// Reads a text; `file` is only named in faults.
+    pub fn from_toml(file: &str, text: &str) -> Result<Study, FileFaults> {
+        study(file, text)
+    }
+}
+
 /// Reads a text; `file` is only named in faults.
-pub(super) fn study(file: &str, text: &str) -> Result<Study, FileFaults> {
+fn study(file: &str, text: &str) -> Result<Study, FileFaults> {
     reader::read(FileKind::Study, Source { file, text }, |f| {
         let run = f.table("run", |f| {
             let range = "above 0 and up to 600 s";

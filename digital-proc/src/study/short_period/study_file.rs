@@ -5,13 +5,9 @@
 //! misspelt name, the nearest known one. What depends on the vehicle (an event that
 //! its flight lacks) is found by [`super::plan`].
 
-use std::path::Path;
-
-use super::places::PointEntry;
-use super::quantity::Quantity;
-use super::study_check;
+use super::point::Quantity;
 use desk::faults::{FileFaults, Source};
-use desk::reader::{self, Range::Any, Span};
+use desk::reader::{Range::Any, Span};
 use desk::table;
 use vehicle::trajectory::FlightError;
 
@@ -66,6 +62,59 @@ table! { "The yaw–roll test." YawRollTest
     misalignment: f64 = number_in("misalignment", Any), "Fraction of the three-sigma misalignment.";
     gust: f64 = number_in("gust", Any), "Fraction of the step gust.";
     cant: f64 = number_in("cant", Any), "Fraction of the fin-cant moment.";
+}
+
+/// A trajectory point as asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointEntry {
+    /// Name.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    /// Where on the trajectory.
+    pub at: Place,
+    /// Added to the time found, s.
+    pub offset_s: f64,
+    /// Where it stands in the file.
+    pub(crate) span: Span,
+}
+
+/// Where on the trajectory a point lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// At a flight time, s.
+    Time(f64),
+    /// At an event.
+    Event(Event),
+    /// Where a Mach number is first reached.
+    Mach(f64),
+    /// At the n-th switching of the designed schedule, counted from 1.
+    GainSwitch(usize),
+}
+
+/// Events of the nominal flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The pitch programme begins.
+    PitchInitiation,
+    /// Middle of the interval of greatest pitch rate.
+    MaxPitchRate,
+    /// Fin-tip control is switched in.
+    FtcOn,
+    /// Dynamic pressure is greatest.
+    MaxQ,
+    /// The motor has burnt out.
+    BurnOut,
+}
+
+impl Event {
+    pub(super) const ALL: [(&'static str, Event); 5] = [
+        ("pitch-initiation", Event::PitchInitiation),
+        ("max-pitch-rate", Event::MaxPitchRate),
+        ("ftc-on", Event::FtcOn),
+        ("max-q", Event::MaxQ),
+        ("burn-out", Event::BurnOut),
+    ];
 }
 
 /// An operating condition.
@@ -141,21 +190,6 @@ impl Study {
     /// The file, for faults that only a vehicle shows.
     pub(super) fn source(&self) -> Source<'_> {
         Source { file: &self.file, text: &self.text }
-    }
-
-    /// The shipped study.
-    pub fn shipped() -> Result<Study, FileFaults> {
-        Study::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
-    }
-
-    /// Reads a user's file.
-    pub fn load(path: &Path) -> Result<Study, FileFaults> {
-        reader::load(path, Study::from_toml)
-    }
-
-    /// Reads a text; `file` is only named in faults.
-    pub fn from_toml(file: &str, text: &str) -> Result<Study, FileFaults> {
-        study_check::study(file, text)
     }
 }
 
