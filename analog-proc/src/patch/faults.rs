@@ -1,13 +1,12 @@
 //! Collecting faults, so that one run shows all of them, and showing them.
 
 use super::diagnostic::{PatchFault, Source};
-use super::number;
 use crate::net::Span;
 use desk::faults::{FileFault, MOST_FAULTS};
-use desk::reader::{Board, Fault, Value};
+use desk::reader::Fault;
 use interface::control::PatchBundle;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
@@ -163,17 +162,6 @@ impl Faults {
         };
         self.list.sort_by_cached_key(|fault| (file_index(fault), fault.place().1.offset()));
         Err(PatchFaults { root: self.root, faults: self.list, omitted: self.omitted })
-    }
-}
-
-/// Before names are resolved no parameter is known.
-impl Board for Faults {
-    fn tell(&mut self, at: Span, fault: Fault, help: String) {
-        self.shared(at, fault, help);
-    }
-
-    fn number(&mut self, field: &str, value: &Value) -> Option<f64> {
-        number::number(field, value, &HashMap::new(), self)
     }
 }
 

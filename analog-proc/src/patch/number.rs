@@ -12,6 +12,17 @@ use desk::reader::{Board, Data, Fault, Value};
 use interface::Tick;
 use std::collections::HashMap;
 
+/// Before names are resolved no parameter is known.
+impl Board for Faults {
+    fn tell(&mut self, at: Span, fault: Fault, help: String) {
+        self.shared(at, fault, help);
+    }
+
+    fn number(&mut self, field: &str, value: &Value) -> Option<f64> {
+        number(field, value, &HashMap::new(), self)
+    }
+}
+
 /// Value of a product of numbers and parameters. `range` is the place of the string's content.
 pub(crate) fn evaluate(
     product: &Product<'_>,
