@@ -2,12 +2,7 @@
 
 use super::{Context, MachineArgs};
 use crate::{
-    lab::{
-        Experiment, alpha::Alpha, axes::AxesOfTranslation, bench::Bench, budget::Budget,
-        circle::Circle, coefficients::Coefficients, flight::Flight,
-        function_generation::FunctionGeneration, loop_study::Loop, noise::Noise, root::Root,
-        skew::Skew,
-    },
+    lab::{self, Experiment, bench::Bench},
     linkage::console::Console,
 };
 use clap::{Args, Subcommand};
@@ -28,11 +23,11 @@ pub struct Sampling {
     experiment: Experiments,
 }
 
-/// The list of experiments: the name of the command and the type, whose doc comment is its help.
-macro_rules! experiments {
-    ($($command:ident $experiment:ident),*) => {
+/// A command for each experiment; its doc comment is the help.
+macro_rules! commands {
+    ($($command:ident $file:ident::$experiment:ident)*) => {
         #[derive(Subcommand)]
-        enum Experiments { $($command(Lab<$experiment>)),* }
+        enum Experiments { $($command(Lab<lab::$file::$experiment>)),* }
 
         impl Sampling {
             pub fn execute(self, context: &Context) -> Result<(), Failure> {
@@ -41,20 +36,7 @@ macro_rules! experiments {
         }
     };
 }
-
-experiments! {
-    Budget Budget,
-    Circle Circle,
-    Root Root,
-    Alpha Alpha,
-    FunctionGeneration FunctionGeneration,
-    Axes AxesOfTranslation,
-    Noise Noise,
-    Skew Skew,
-    Coefficients Coefficients,
-    Flight Flight,
-    Loop Loop
-}
+lab::experiments!(commands);
 
 // What every experiment takes besides its own settings. (No doc comment: it would be the help.)
 #[derive(Args)]

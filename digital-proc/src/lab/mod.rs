@@ -27,6 +27,26 @@ pub mod skew;
 mod table;
 mod theory;
 
+/// The list of experiments: the name of the command, and where its type is.
+macro_rules! experiments {
+    ($then:ident) => {
+        $then! {
+            Budget budget::Budget
+            Circle circle::Circle
+            Root root::Root
+            Alpha alpha::Alpha
+            FunctionGeneration function_generation::FunctionGeneration
+            Axes axes::AxesOfTranslation
+            Noise noise::Noise
+            Skew skew::Skew
+            Coefficients coefficients::Coefficients
+            Flight flight::Flight
+            Loop loop_study::Loop
+        }
+    };
+}
+pub(crate) use experiments;
+
 // What an experiment needs, for its `use super::*`.
 use bench::Bench;
 use desk::{
