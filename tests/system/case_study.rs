@@ -9,10 +9,10 @@ use desk::claim::{Claim, Verdict};
 use digital_proc::study::short_period::{
     claims::{self, FTC_GAIN_LOST, NORMAL, TVC_FAST, TVC_SLOW},
     control_loop::ControlLoop,
-    machine::{self, Occurrence, Patches},
+    machine::{self, Patches},
     plan::Plan,
     reference,
-    results::Results,
+    results::{Occurrence, Results},
     study_file::{SHIPPED_TEXT, Study},
 };
 use interface::profile::Profile;

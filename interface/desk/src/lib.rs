@@ -15,6 +15,8 @@ pub mod reader;
 #[cfg(feature = "runs")]
 pub mod report;
 #[cfg(feature = "runs")]
+mod run;
+#[cfg(feature = "runs")]
 pub mod run_dir;
 #[cfg(feature = "runs")]
 pub mod shell;

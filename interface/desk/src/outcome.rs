@@ -19,6 +19,7 @@
 //! A command that fails before it has an outcome ([`crate::shell`]) has all but `command`, `run`
 //! and `error` empty.
 
+pub use crate::run::Run;
 use crate::{
     claim::{Claim, Verdict},
     failure::Failure,
@@ -28,15 +29,12 @@ use crate::{
         plot::{LineChart, line_chart},
         provenance, side_by_side,
     },
-    run_dir::{Curves, RunDirectory, RunRecord, Seed},
+    run_dir::{Curves, RunRecord, Seed},
     say,
 };
 use maud::{Markup, html};
 use serde_json::{Map, Value, json};
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, path::Path};
 
 /// A table of more rows is folded on a page.
 const MOST_ROWS: usize = 60;
@@ -378,50 +376,5 @@ impl SectionOf<'_> {
     pub fn markup(self, markup: Markup) -> Self {
         self.0.push(Part::Markup(markup));
         self
-    }
-}
-
-/// A run's directory and its record, begun before the work so that a run that is killed shows.
-#[derive(Debug)]
-pub struct Run {
-    /// The directory.
-    pub directory: RunDirectory,
-    /// Everything needed to repeat it.
-    pub record: RunRecord,
-}
-
-impl Run {
-    /// Claims a directory under `base` for a run of `command` that starts now.
-    ///
-    /// # Errors
-    /// The directory or the record cannot be written.
-    pub fn begin(base: &Path, command: &str, profile: &str, link: &str) -> Result<Run, Failure> {
-        let started = crate::run_dir::UtcSecond::from_system(std::time::SystemTime::now());
-        let directory = RunDirectory::create(base, command, started)?;
-        let record = RunRecord::begin(command, started, profile, link);
-        directory.write_record(&record)?;
-        Ok(Run { directory, record })
-    }
-
-    /// Notes a parameter.
-    pub fn set(&mut self, name: &str, value: impl Into<toml::Value>) {
-        self.record.parameters.insert(name.to_owned(), value.into());
-    }
-
-    /// Notes the patch that ran.
-    pub fn patch(&mut self, name: &str, sha256: &str) {
-        self.record.patch = Some(crate::run_dir::PatchIdentity {
-            name: name.to_owned(),
-            sha256: sha256.to_owned(),
-        });
-    }
-
-    /// A further small file.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn file(&self, name: &str, text: &str) -> Result<PathBuf, Failure> {
-        self.directory.write_file(name, text.as_bytes())?;
-        Ok(self.directory.file(name))
     }
 }

@@ -4,7 +4,7 @@
 //! first and gives up afterwards, so that one run shows every fault. Keys that nobody asked for
 //! are faults: a misspelt one would otherwise be a setting left out. What is told of a fault,
 //! and what may stand for a number, is the [`Board`]'s part: a [`Sheet`] for plain files; patches
-//! have one of their own.
+//! have one of their own. Long, for it is the list of rules that a field may have.
 
 mod kind;
 mod lists;

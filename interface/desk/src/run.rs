@@ -1,0 +1,51 @@
+//! A command's run on its way: directory and record.
+
+use crate::{
+    failure::Failure,
+    run_dir::{PatchIdentity, RunDirectory, RunRecord, UtcSecond},
+};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// A run's directory and its record, begun before the work so that a run that is killed shows.
+#[derive(Debug)]
+pub struct Run {
+    /// The directory.
+    pub directory: RunDirectory,
+    /// Everything needed to repeat it.
+    pub record: RunRecord,
+}
+
+impl Run {
+    /// Claims a directory under `base` for a run of `command` that starts now.
+    ///
+    /// # Errors
+    /// The directory or the record cannot be written.
+    pub fn begin(base: &Path, command: &str, profile: &str, link: &str) -> Result<Run, Failure> {
+        let started = UtcSecond::from_system(SystemTime::now());
+        let directory = RunDirectory::create(base, command, started)?;
+        let record = RunRecord::begin(command, started, profile, link);
+        directory.write_record(&record)?;
+        Ok(Run { directory, record })
+    }
+
+    /// Notes a parameter.
+    pub fn set(&mut self, name: &str, value: impl Into<toml::Value>) {
+        self.record.parameters.insert(name.to_owned(), value.into());
+    }
+
+    /// Notes the patch that ran.
+    pub fn patch(&mut self, name: &str, sha256: &str) {
+        self.record.patch =
+            Some(PatchIdentity { name: name.to_owned(), sha256: sha256.to_owned() });
+    }
+
+    /// A further small file.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn file(&self, name: &str, text: &str) -> Result<PathBuf, Failure> {
+        self.directory.write_file(name, text.as_bytes())?;
+        Ok(self.directory.file(name))
+    }
+}
