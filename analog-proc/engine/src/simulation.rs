@@ -297,22 +297,6 @@ impl Simulation {
         &self.engine.overloads
     }
 
-    /// Repetitive operation: `times` runs of length `period` from the initial condition,
-    /// `each` being called at the end of every run with its number.
-    pub fn repeat(
-        &mut self,
-        period: Tick,
-        times: u32,
-        mut each: impl FnMut(u32, &mut Simulation),
-    ) -> Result<(), RunFault> {
-        for number in 0..times {
-            self.reset()?;
-            self.advance_to(period)?;
-            each(number, self);
-        }
-        Ok(())
-    }
-
     /// What the patch's settings make of a run from the present state.
     pub fn outlook(&mut self) -> Vec<outlook::Warning> {
         let Integration { method, step_s, .. } = self.engine.integration;

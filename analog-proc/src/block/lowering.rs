@@ -1,8 +1,9 @@
 //! The builder with which blocks are wired into the program.
 
-use crate::net::{Block, BlockId, Input, Level};
+use crate::net::{Block, Input, Level};
 use engine::element::curve::{Curve, Piece, band};
 use engine::element::piecewise::Piecewise;
+use engine::id::BlockId;
 use engine::machine::{Machine, Settle};
 use engine::op::{Op, Slot, Term};
 use engine::overload::OVERLOAD_FACTOR;

@@ -6,9 +6,9 @@
 
 pub use crate::block::kind::{Kind, Wave};
 pub use desk::reader::Span;
-pub use engine::{
+use engine::{
     id::{BlockId, NetId},
-    integration::{Integration, Method, OverloadPolicy},
+    integration::Integration,
 };
 
 /// A level that is fixed in the patch or follows a net.

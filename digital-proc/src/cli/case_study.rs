@@ -1,8 +1,8 @@
 //! `digital-proc case-study`: section 4 of the paper, claim by claim.
 
 use super::{
-    Context,
-    study::{PointsArgs, StudyArgs, note_patches, own_or},
+    Context, failure_file, own_or,
+    study::{PointsArgs, StudyArgs, note_patches},
 };
 use crate::study::{
     case_study::{CasePlan, run},
@@ -12,7 +12,6 @@ use crate::study::{
 };
 use desk::failure::Failure;
 use std::path::PathBuf;
-use vehicle::failure_file::FailureFile;
 
 /// The paper's case study: every run of its section 4, and whether each claim holds.
 ///
@@ -43,8 +42,7 @@ pub struct CaseStudy {
 impl CaseStudy {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let (vehicle, points) = (self.study.vehicle()?, self.points.load()?);
-        let shipped = || Ok(FailureFile::shipped().clone());
-        let failures = own_or(self.failures.as_deref(), FailureFile::load, shipped)?;
+        let failures = failure_file(self.failures.as_deref())?;
         let mut dispersions = None;
         if !self.no_sensitivity {
             let own = self.dispersions.as_deref();

@@ -36,7 +36,7 @@ impl DesignGains {
             begun.patch("pitch-loop.toml", console.patch_hash());
             Ok::<_, StudyFault>(designed)
         })?;
-        begun.file("gains.toml", &designed.sections())?;
+        begun.directory.write_file("gains.toml", designed.sections().as_bytes())?;
         designed.outcome(&vehicle).publish(&begun, self.study.machine.json)
     }
 }

@@ -1,5 +1,6 @@
 //! `digital-proc failures`: the modes of a failure file, or its text to start from.
 
+use super::failure_file;
 use desk::{
     failure::Failure,
     outcome::Outcome,
@@ -8,7 +9,7 @@ use desk::{
 };
 use std::path::PathBuf;
 use vehicle::{
-    failure_file::{FailureFile, SHIPPED_TEXT},
+    failure_file::SHIPPED_TEXT,
     flight_mode::{Action, Effect, FlightScript, Schedule},
 };
 
@@ -33,8 +34,7 @@ impl Failures {
             say!("{}", SHIPPED_TEXT.trim_end());
             return Ok(());
         }
-        let own = self.file.as_deref().map(FailureFile::load).transpose()?;
-        let file = own.as_ref().unwrap_or_else(|| FailureFile::shipped());
+        let file = failure_file(self.file.as_deref())?;
         let columns = [
             Column::new("Mode", "", |mode: &FlightScript| mode.name.as_str().into()),
             Column::new("What happens", "", |mode: &FlightScript| {

@@ -1,6 +1,6 @@
 //! `digital-proc fly`: one long-period flight.
 
-use super::{Context, MachineArgs, vehicle_args::VehicleArgs};
+use super::{Context, MachineArgs, failure_file, vehicle_args::VehicleArgs};
 use crate::{
     flight::{
         AlphaPath, FlightFault, Stage, Timing,
@@ -20,9 +20,7 @@ use desk::{
 };
 use interface::Tick;
 use std::path::PathBuf;
-use vehicle::{
-    Vehicle, failure_file::FailureFile, flight_mode::FlightMode, flight_summary::FlightSummary,
-};
+use vehicle::{Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary};
 
 /// Fly the first stage from lift-off to burn-out.
 #[derive(clap::Args)]
@@ -174,8 +172,8 @@ impl Fly {
     /// The command line as everything that the flight follows from.
     fn plan_record(&self, vehicle: &Vehicle) -> Result<PlanRecord, Failure> {
         let profile = desk::profile::load(&self.machine.profile)?;
-        let own = self.failures.as_deref().map(FailureFile::load).transpose()?;
-        let script = own.as_ref().unwrap_or_else(|| FailureFile::shipped()).mode(&self.mode)?;
+        let failures = failure_file(self.failures.as_deref())?;
+        let script = failures.mode(&self.mode)?;
         let data = vehicle.data();
         let burn_out = Tick::from_secs(data.mass.burn_time_s)
             .ok_or_else(|| Failure::input("the vehicle's burn time is out of range"))?;

@@ -1,9 +1,6 @@
 //! `digital-proc long-period`: every mode flown, the claims judged.
 
-use super::{
-    Context,
-    study::{StudyArgs, own_or},
-};
+use super::{Context, failure_file, study::StudyArgs};
 use crate::study::{
     fault::StudyFault,
     long_period::{
@@ -13,7 +10,6 @@ use crate::study::{
 };
 use desk::failure::Failure;
 use std::path::PathBuf;
-use vehicle::failure_file::FailureFile;
 
 /// Fly every mode of the failure file to burn-out, flight after flight in one
 /// session, and judge the paper's claims about trajectory and loads.
@@ -31,8 +27,7 @@ pub struct LongPeriod {
 impl LongPeriod {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
         let vehicle = self.study.vehicle()?;
-        let shipped = || Ok(FailureFile::shipped().clone());
-        let failures = own_or(self.failures.as_deref(), FailureFile::load, shipped)?;
+        let failures = failure_file(self.failures.as_deref())?;
         let plan = LongPeriodPlan::new(failures.modes, self.study.profile()?);
         let mut begun = self.study.begin("long-period", &vehicle, &plan.profile)?;
         begun.set("failures", failures.file);

@@ -24,9 +24,11 @@ use desk::{
     shell::{self, Manual},
 };
 use std::{
+    path::Path,
     process::ExitCode,
     sync::{Arc, atomic::AtomicBool},
 };
+use vehicle::failure_file::FailureFile;
 
 /// The digital processor: flies the first stage of a launch vehicle on a hybrid computer.
 ///
@@ -149,6 +151,23 @@ impl MachineArgs {
     fn start(&self, context: &Context) -> Result<Started, Failure> {
         self.join.start(context)
     }
+}
+
+/// A user's own file, or the shipped one.
+fn own_or<T, F>(
+    own: Option<&Path>,
+    load: impl FnOnce(&Path) -> Result<T, F>,
+    shipped: impl FnOnce() -> Result<T, F>,
+) -> Result<T, Failure>
+where
+    Failure: From<F>,
+{
+    Ok(own.map_or_else(shipped, load)?)
+}
+
+/// The modes of a user's own failure file, or the shipped ones.
+fn failure_file(own: Option<&Path>) -> Result<FailureFile, Failure> {
+    own_or(own, FailureFile::load, || Ok(FailureFile::shipped().clone()))
 }
 
 /// Runs `digital-proc` on this process' arguments.

@@ -1,9 +1,6 @@
 //! `digital-proc sensitivity`: dispersions of the pitch loop, ranked.
 
-use super::{
-    Context,
-    study::{StudyArgs, own_or},
-};
+use super::{Context, own_or, study::StudyArgs};
 use crate::study::{
     sensitivity::{
         dispersion_file::Dispersions,

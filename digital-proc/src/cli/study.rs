@@ -2,13 +2,13 @@
 //! on the machine.
 
 use super::{
-    Context, MachineArgs,
+    Context, MachineArgs, own_or,
     vehicle_args::{self, VehicleArgs},
 };
 use crate::{linkage::console::Console, study::short_period::study_file::Study};
 use desk::{failure::Failure, outcome::Run, progress::Progress, run_dir::DEFAULT_BASE};
 use interface::profile::Profile;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use vehicle::Vehicle;
 
 /// Vehicle, run directory and machine of a study.
@@ -64,18 +64,6 @@ impl StudyArgs {
         console.bye()?;
         Ok(done)
     }
-}
-
-/// A user's own file, or the shipped one.
-pub(super) fn own_or<T, F>(
-    own: Option<&Path>,
-    load: impl FnOnce(&Path) -> Result<T, F>,
-    shipped: impl FnOnce() -> Result<T, F>,
-) -> Result<T, Failure>
-where
-    Failure: From<F>,
-{
-    Ok(own.map_or_else(shipped, load)?)
 }
 
 /// Trajectory points and operating conditions.

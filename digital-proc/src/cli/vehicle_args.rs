@@ -1,5 +1,6 @@
 //! The vehicle that a command studies.
 
+use super::own_or;
 use desk::failure::Failure;
 use std::path::PathBuf;
 use vehicle::Vehicle;
@@ -15,10 +16,7 @@ pub struct VehicleArgs {
 impl VehicleArgs {
     /// Reads and checks it.
     pub fn load(&self) -> Result<Vehicle, Failure> {
-        Ok(match &self.vehicle {
-            Some(path) => Vehicle::load(path),
-            None => Vehicle::shipped(),
-        }?)
+        own_or(self.vehicle.as_deref(), Vehicle::load, Vehicle::shipped)
     }
 }
 

@@ -170,9 +170,10 @@ impl Stage {
             console.set_params(parameters.clone())?;
             self.parameters = parameters;
         }
-        let frame = plan.slow.fast_period(plan.step).filter(|t| *t > Tick::ZERO).ok_or(
-            FlightFault::Periods { step: plan.step, fast_frames: plan.slow.fast_frames() },
-        )?;
+        let frame = plan.slow.fast_period(plan.step).ok_or(FlightFault::Periods {
+            step: plan.step,
+            fast_frames: plan.slow.fast_frames(),
+        })?;
         let channels = self.channels.clone();
         let law = FlightLaw::new(vehicle, &plan.case, channels, plan.alpha, (plan.slow, plan.step));
         let incidence = law.initial_incidence_rad();

@@ -111,9 +111,7 @@ pub enum PlanFault {
 impl PlanRecord {
     pub fn fast_frame(&self) -> Result<Tick, PlanFault> {
         let slow = Rate::every(self.fast).ok_or(PlanFault::NoFastFrame)?;
-        slow.fast_period(self.frame)
-            .filter(|t| *t > Tick::ZERO)
-            .ok_or(PlanFault::Periods { step: self.frame, fast: self.fast })
+        slow.fast_period(self.frame).ok_or(PlanFault::Periods { step: self.frame, fast: self.fast })
     }
 
     pub fn vehicle(&self) -> Result<Vehicle, PlanFault> {

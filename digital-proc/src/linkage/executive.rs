@@ -32,10 +32,10 @@ impl Rate {
     }
 
     /// The fast frame period for which this task has the period `slow`; `None`
-    /// when it would not be a whole number of nanoseconds.
+    /// when it would not be a whole number of nanoseconds, one at least.
     pub fn fast_period(self, slow: Tick) -> Option<Tick> {
         let every = i64::try_from(self.every).ok()?;
-        (slow.0 % every == 0).then(|| Tick(slow.0 / every))
+        (slow.0 >= every && slow.0 % every == 0).then(|| Tick(slow.0 / every))
     }
 }
 

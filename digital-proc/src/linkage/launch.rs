@@ -65,13 +65,15 @@ pub enum LaunchFault {
 pub struct Started {
     // Field order is drop order: the port closes before the partner is awaited.
     port: Box<dyn DigitalPort>,
-    partner: Partner,
+    _partner: Partner,
 }
 
+/// What is kept only to be dropped.
+#[allow(dead_code)]
 enum Partner {
     Process(Guard),
     Thread(Option<JoinHandle<()>>),
-    Foreign(#[allow(dead_code)] Session),
+    Foreign(Session),
 }
 
 impl Started {
@@ -93,7 +95,7 @@ impl Started {
                     .name("analog-proc".into())
                     .spawn(move || drop((analog.serve)(&mut far)))
                     .map_err(LaunchFault::Spawn)?;
-                Ok(Started { port: Box::new(near), partner: Partner::Thread(Some(thread)) })
+                Ok(Started { port: Box::new(near), _partner: Partner::Thread(Some(thread)) })
             }
             LinkChoice::Shm => {
                 let session = Session::create(Side::Digital, None)?;
@@ -108,12 +110,12 @@ impl Started {
                     .map_err(LaunchFault::Spawn)?;
                 let guard = Guard { child, session: session.clone() };
                 let port = ShmDigital::open(&session, Some(guard.child.id()), &patience)?;
-                Ok(Started { port: Box::new(port), partner: Partner::Process(guard) })
+                Ok(Started { port: Box::new(port), _partner: Partner::Process(guard) })
             }
             LinkChoice::Attach(name) => {
                 let session = Session::join(Side::Digital, name)?;
                 let port = ShmDigital::open(&session, None, &patience)?;
-                Ok(Started { port: Box::new(port), partner: Partner::Foreign(session) })
+                Ok(Started { port: Box::new(port), _partner: Partner::Foreign(session) })
             }
         }
     }
@@ -121,14 +123,6 @@ impl Started {
     /// The digital end of the link.
     pub fn port(&mut self) -> &mut dyn DigitalPort {
         self.port.as_mut()
-    }
-
-    /// Pid of the analog process, if this side started it.
-    pub fn partner_pid(&self) -> Option<u32> {
-        match &self.partner {
-            Partner::Process(guard) => Some(guard.child.id()),
-            _ => None,
-        }
     }
 }
 

@@ -250,11 +250,15 @@ impl Outcome {
         for (name, table) in self.tables() {
             directory.write_file(&format!("{name}.csv"), &table.csv().map_err(Failure::output)?)?;
         }
-        let summary = self.json(&record.command, Some(directory.path()), self.verdict().as_ref());
+        let failed = self.verdict();
+        let summary = self.json(&record.command, Some(directory.path()), failed.as_ref());
         directory.write_summary(&summary)?;
         let report = directory.write_report(&self.page(&record))?;
-        let report = format!("{}report: {}", self.text(), report.display());
-        self.say(if json { format!("{summary:#}") } else { report }, json)
+        match json {
+            true => say!("{summary:#}"),
+            false => say!("{}report: {}", self.text(), report.display()),
+        }
+        ended(failed, json)
     }
 
     /// Prints the outcome of a command that keeps no run of its own; `run` is the one it looked at.
@@ -262,11 +266,12 @@ impl Outcome {
     /// # Errors
     /// A claim that fails.
     pub fn tell(&self, command: &str, run: Option<&Path>, json: bool) -> Result<(), Failure> {
-        let text = match json {
-            true => format!("{:#}", self.json(command, run, self.verdict().as_ref())),
-            false => self.text().trim_matches('\n').to_owned(),
-        };
-        self.say(text, json)
+        let failed = self.verdict();
+        match json {
+            true => say!("{:#}", self.json(command, run, failed.as_ref())),
+            false => say!("{}", self.text().trim_matches('\n')),
+        }
+        ended(failed, json)
     }
 
     /// The same where standard output is taken by what the command makes: JSON goes to standard
@@ -275,16 +280,16 @@ impl Outcome {
     /// # Errors
     /// A claim that fails.
     pub fn tell_beside(&self, command: &str, json: bool) -> Result<(), Failure> {
+        let failed = self.verdict();
         if json {
-            note!("{:#}", self.json(command, None, self.verdict().as_ref()));
+            note!("{:#}", self.json(command, None, failed.as_ref()));
         }
-        self.verdict().map_or(Ok(()), |failure| Err(Failure { is_told: true, ..failure }))
+        ended(failed, true)
     }
+}
 
-    fn say(&self, text: String, is_told: bool) -> Result<(), Failure> {
-        say!("{text}");
-        self.verdict().map_or(Ok(()), |failure| Err(Failure { is_told, ..failure }))
-    }
+fn ended(failed: Option<Failure>, is_told: bool) -> Result<(), Failure> {
+    failed.map_or(Ok(()), |failure| Err(Failure { is_told, ..failure }))
 }
 
 impl Part {

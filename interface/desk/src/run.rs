@@ -4,7 +4,7 @@ use crate::{
     failure::Failure,
     run_dir::{PatchIdentity, RunDirectory, RunRecord, UtcSecond},
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::SystemTime;
 
 /// A run's directory and its record, begun before the work so that a run that is killed shows.
@@ -38,14 +38,5 @@ impl Run {
     pub fn patch(&mut self, name: &str, sha256: &str) {
         self.record.patch =
             Some(PatchIdentity { name: name.to_owned(), sha256: sha256.to_owned() });
-    }
-
-    /// A further small file.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn file(&self, name: &str, text: &str) -> Result<PathBuf, Failure> {
-        self.directory.write_file(name, text.as_bytes())?;
-        Ok(self.directory.file(name))
     }
 }

@@ -131,15 +131,6 @@ impl Session {
         Ok(infos(held.path()))
     }
 
-    /// Removes what dead processes left in a base directory.
-    pub fn sweep_in(base: &Path) -> Result<(), SessionError> {
-        if let Some(held) = BaseLock::existing(base)? {
-            sweep(held.path());
-            held.release();
-        }
-        Ok(())
-    }
-
     /// Name of the session, which the partner joins.
     pub fn name(&self) -> &str {
         &self.0.name

@@ -182,8 +182,7 @@ impl PartialEq for Quantity {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use super::FrozenPoint;
-    use super::QUANTITIES;
+    use super::{FrozenPoint, QUANTITIES};
 
     /// The stage near maximum dynamic pressure in round numbers.
     pub(crate) fn numbered() -> FrozenPoint {
