@@ -230,9 +230,10 @@ pub fn partner_of(child: &Child) -> u32 {
     })
 }
 
-/// Rows of a trace that can be read, whether it was ended or cut off.
+/// Rows of a trace that can be read, whether it was ended or cut off; none before it is begun.
 pub fn trace_rows(directory: &Path) -> usize {
-    desk::run_dir::Trace::read(&directory.join("trace.arrow")).unwrap().rows()
+    let trace = directory.join("trace.arrow");
+    if trace.exists() { desk::run_dir::Trace::read(&trace).unwrap().rows() } else { 0 }
 }
 
 pub fn signal(pid: u32, signal: rustix::process::Signal) {
