@@ -101,6 +101,8 @@ pub struct SweepRun<'n> {
 
 /// Samples asked for at a time: a megabyte, and no more than a moment between two signs of life.
 const SAMPLES_A_REQUEST: usize = 1 << 17;
+/// Runs asked for at a time: half a megabyte of settings.
+const RUNS_A_REQUEST: usize = 256;
 
 /// One session seen from the digital side.
 pub struct Console<'p> {
@@ -263,6 +265,7 @@ impl<'p> Console<'p> {
             let mut sweep = Sweep { every, adc, cases: Vec::new() };
             let mut samples = 0;
             while samples < SAMPLES_A_REQUEST
+                && sweep.cases.len() < RUNS_A_REQUEST
                 && let Some(SweepRun { ics, settings, stop }) = runs.next()
             {
                 samples += (stop.secs() / every.secs()) as usize * sweep.adc.len() + 1;
