@@ -2,7 +2,7 @@
 
 use crate::net::Netlist;
 use crate::order::Ordered;
-use crate::patch::{Faults, PatchFault, PatchFaults};
+use crate::patch::{Faults, Flaw, PatchFaults};
 use interface::profile::{BlockClass, Profile};
 use std::collections::BTreeMap;
 
@@ -48,12 +48,7 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
     }
     let mut faults = Faults::new(ordered.sources().clone(), ordered.root());
     let block = &netlist.blocks[first_without];
-    faults.push(block.span, |src, at| PatchFault::TooManyBlocks {
-        src,
-        at,
-        profile: profile.name.clone(),
-        table,
-        help: "take a larger machine (profile `ideal` has no limit), or save blocks: coefficients on inputs need no pots or gains, and a summer in front of an integrator is the integrator's own".into(),
-    });
+    let help = "take a larger machine (profile `ideal` has no limit), or save blocks: coefficients on inputs need no pots or gains, and a summer in front of an integrator is the integrator's own";
+    faults.push(block.span, Flaw::TooManyBlocks { profile: profile.name.clone(), table }, help);
     faults.into_result()
 }
