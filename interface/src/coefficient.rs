@@ -8,7 +8,6 @@
 
 use crate::converter::{ConverterError, MAX_BITS};
 
-/// A digital coefficient unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoefficientUnit {
     bits: Option<u32>,

@@ -19,13 +19,10 @@ pub const MAX_BITS: u32 = 24;
 /// Why a converter cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ConverterError {
-    /// Bits out of range.
     #[error("a converter has 2 to {MAX_BITS} bits, not {0}")]
     Bits(u32),
-    /// Full scale not positive and finite.
     #[error("full scale is a positive number, not {0}")]
     FullScale(f64),
-    /// Bits, but no full scale.
     #[error("{0} bits need a full scale; state the block's `max`")]
     NoFullScale(u32),
 }
@@ -44,7 +41,6 @@ pub struct Conversion {
     pub non_finite: bool,
 }
 
-/// An ADC or DAC.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converter {
     bits: Option<u32>,

@@ -5,6 +5,8 @@
 //! and two links behind one pair of traits ([`link`]).
 // What only the link between processes needs is not dead where that is left out.
 #![cfg_attr(not(feature = "shm"), allow(dead_code, unused_imports))]
+// Names carry their units; what a name says has no sentence beside it.
+#![allow(missing_docs)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod coefficient;

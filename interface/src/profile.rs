@@ -33,11 +33,9 @@ pub enum Provenance {
 /// A number and where it is from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sourced<T> {
-    /// The number.
     pub value: T,
     /// How far it can be trusted.
     pub status: Provenance,
-    /// Where it is from.
     pub source: String,
 }
 
@@ -85,7 +83,6 @@ classes! {
     InterruptLine "interrupt-lines" "Interrupt lines.";
 }
 
-/// Analog-to-digital conversion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AdcStage {
     /// Bits, sign included.
@@ -98,7 +95,6 @@ pub struct AdcStage {
     pub aperture: Option<Sourced<Tick>>,
 }
 
-/// Digital-to-analog conversion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DacStage {
     /// Bits, sign included.
@@ -109,7 +105,6 @@ pub struct DacStage {
     pub hold: Option<Sourced<HoldKind>>,
 }
 
-/// Digital coefficient units.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DcuStage {
     /// Bits, sign included.
@@ -121,9 +116,7 @@ pub struct DcuStage {
 /// The numbers of one machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    /// Name of the profile.
     pub name: String,
-    /// What the profile stands for.
     pub note: String,
     /// Volts of one machine unit.
     pub reference_v: Option<Sourced<f64>>,
@@ -133,11 +126,8 @@ pub struct Profile {
     pub component_error: Option<Sourced<f64>>,
     /// Blocks available by class; a class that is absent has no limit.
     pub counts: BTreeMap<BlockClass, Sourced<u32>>,
-    /// Analog-to-digital conversion.
     pub adc: AdcStage,
-    /// Digital-to-analog conversion.
     pub dac: DacStage,
-    /// Digital coefficient units.
     pub dcu: DcuStage,
     /// Latency of the linkage itself, from the end of the scan to the digital side and back.
     pub latency: Option<Sourced<Tick>>,
@@ -154,11 +144,8 @@ impl Default for Profile {
 /// A class of which a patch needs more than the machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortfall {
-    /// The class.
     pub class: BlockClass,
-    /// Blocks that the patch needs.
     pub needed: u32,
-    /// Blocks that the machine has.
     pub available: u32,
 }
 

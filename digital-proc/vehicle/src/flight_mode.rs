@@ -65,13 +65,11 @@ impl FlightMode {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct FlightScript {
-    /// Name.
     pub name: String,
     /// The paper's words for it, or the author's.
     pub text: String,
     /// The schedule that the sequencer runs through.
     pub schedule: Schedule,
-    /// What happens, in order of time.
     pub actions: Vec<Action>,
 }
 
@@ -91,7 +89,6 @@ pub enum Schedule {
 pub struct Action {
     /// Flight time from which it acts, s.
     pub at_s: f64,
-    /// What it does.
     pub effect: Effect,
 }
 
@@ -111,26 +108,17 @@ pub enum Effect {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Part {
-    /// Gain of the roll loop.
     RollGain,
-    /// FTC gain in pitch.
     FtcPitch,
-    /// FTC gain in yaw.
     FtcYaw,
-    /// TVC gain in pitch.
     TvcPitch,
-    /// TVC gain in yaw.
     TvcYaw,
-    /// Effectiveness of the pitch pair of tips.
     PitchTips,
-    /// Effectiveness of tip 2.
     Tip2,
-    /// Effectiveness of tip 4.
     Tip4,
 }
 
 impl Part {
-    /// In words.
     pub fn words(self) -> &'static str {
         match self {
             Part::RollGain => "roll gain",
@@ -172,9 +160,7 @@ pub struct ControlSettings {
     pub roll_lead_s: f64,
     /// Effectiveness of the pitch pair, 1 when sound.
     pub pitch_tips_effectiveness: f64,
-    /// Effectiveness of tip 2.
     pub tip_2_effectiveness: f64,
-    /// Effectiveness of tip 4.
     pub tip_4_effectiveness: f64,
 }
 

@@ -12,7 +12,6 @@ use crate::{STANDARD_GRAVITY_MPS2, Vehicle};
 /// The variables that the paper monitors (§4.2), and those behind them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlightSample {
-    /// Flight time, s.
     pub time_s: f64,
     /// Speed, flight-path angle, altitude, range angle.
     pub trajectory: TrajectoryState,
@@ -28,19 +27,13 @@ pub struct FlightSample {
     pub incidence_rad: f64,
     /// α_y, rad.
     pub yaw_incidence_rad: f64,
-    /// Mach number.
     pub mach: f64,
     /// Q, Pa.
     pub dynamic_pressure_pa: f64,
-    /// Deflection of the pitch tips, rad.
     pub pitch_tips_rad: f64,
-    /// Deflection of tip 2, rad.
     pub tip_2_rad: f64,
-    /// Deflection of tip 4, rad.
     pub tip_4_rad: f64,
-    /// TVC force in pitch, N.
     pub tvc_pitch_n: f64,
-    /// TVC force in yaw, N.
     pub tvc_yaw_n: f64,
 }
 
@@ -54,13 +47,9 @@ impl FlightSample {
 /// A peak and where it occurred.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
-    /// The peak's value.
     pub value: f64,
-    /// Flight time, s.
     pub time_s: f64,
-    /// Mach number there.
     pub mach: f64,
-    /// Altitude there, m.
     pub altitude_m: f64,
 }
 
@@ -71,9 +60,7 @@ pub struct FlightSummary {
     pub max_dynamic_pressure: Peak,
     /// Largest |Qα| from the take-over of the fin tips on, Pa·deg.
     pub max_q_alpha: Peak,
-    /// Last trajectory state.
     pub end: TrajectoryState,
-    /// Time of the last sample, s.
     pub end_time_s: f64,
     /// Range over the ground at the end, m.
     pub range_m: f64,
@@ -83,9 +70,7 @@ pub struct FlightSummary {
     pub tvc_pitch_impulse_ns: f64,
     /// ∫|F_T| dt in yaw, N·s.
     pub tvc_yaw_impulse_ns: f64,
-    /// Injectant used, kg.
     pub injectant_kg: f64,
-    /// Table edges met.
     pub edges: EdgeRecord,
 }
 
@@ -104,7 +89,6 @@ pub struct FlightMonitor {
 }
 
 impl FlightMonitor {
-    /// Starts before the first sample.
     pub fn new(vehicle: &Vehicle) -> Self {
         let data = vehicle.data();
         Self {

@@ -39,7 +39,6 @@ pub struct FlightCase {
     pub script: FlightScript,
     /// No failure acts before this, s; earlier ones wait until then.
     pub failure_start_s: f64,
-    /// The wind.
     pub wind: Wind,
     /// Thrust misalignment in pitch, fraction of 3σ.
     pub pitch_misalignment: f64,

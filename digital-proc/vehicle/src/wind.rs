@@ -29,23 +29,19 @@ pub struct WindSample {
     pub along_mps: f64,
     /// Component across it, m/s.
     pub cross_mps: f64,
-    /// Edge of the profile's table.
     pub edge: Edge,
 }
 
 /// Direction of the synthetic profile along the flight path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WindDirection {
-    /// Against the flight.
     Head,
-    /// With the flight.
     Tail,
 }
 
 /// A wind field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Wind {
-    /// None.
     Calm,
     /// The synthetic design profile.
     Synthetic(SyntheticWind),
@@ -54,7 +50,6 @@ pub enum Wind {
     Profile {
         /// Along-track speed (m/s) against altitude (m).
         along_mps: Table,
-        /// Crosswind over along-track wind.
         cross_fraction: f64,
     },
 }
@@ -78,7 +73,6 @@ impl Wind {
         SyntheticWind::new(&vehicle.data().wind, sign).map(Self::Synthetic)
     }
 
-    /// Wind at a geometric altitude, m.
     pub fn at(&self, altitude_m: f64) -> WindSample {
         match self {
             Self::Calm => WindSample { along_mps: 0.0, cross_mps: 0.0, edge: Edge::Inside },
@@ -134,7 +128,6 @@ impl SyntheticWind {
         })
     }
 
-    /// Wind at an altitude, m.
     pub fn at(&self, altitude_m: f64) -> WindSample {
         let envelope = self.envelope_mps.lookup(altitude_m);
         let depth_m = self.reference_m - altitude_m;

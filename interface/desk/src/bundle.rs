@@ -19,9 +19,7 @@ pub const MOST_FILES: usize = 1000;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read the patch {}: {cause}", path.display())]
 pub struct PatchUnreadable {
-    /// The file.
     pub path: PathBuf,
-    /// Why.
     #[source]
     pub cause: std::io::Error,
 }

@@ -10,7 +10,6 @@ use std::time::SystemTime;
 /// A run's directory and its record, begun before the work so that a run that is killed shows.
 #[derive(Debug)]
 pub struct Run {
-    /// The directory.
     pub directory: RunDirectory,
     /// Everything needed to repeat it.
     pub record: RunRecord,
@@ -29,12 +28,10 @@ impl Run {
         Ok(Run { directory, record })
     }
 
-    /// Notes a parameter.
     pub fn set(&mut self, name: &str, value: impl Into<toml::Value>) {
         self.record.parameters.insert(name.to_owned(), value.into());
     }
 
-    /// Notes the patch that ran.
     pub fn patch(&mut self, name: &str, sha256: &str) {
         self.record.patch =
             Some(PatchIdentity { name: name.to_owned(), sha256: sha256.to_owned() });

@@ -25,9 +25,7 @@ use std::{
 /// Frames in flight at most, as on the shared-memory link; lock-step needs one.
 const FRAMES: usize = 16;
 
-/// The analog processor's end.
 pub type MemoryAnalog = AnalogEnd<AnalogQueues>;
-/// The digital processor's end.
 pub type MemoryDigital = DigitalEnd<DigitalQueues>;
 
 /// Two ends with the default patience.

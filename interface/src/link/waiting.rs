@@ -99,7 +99,6 @@ impl Patience {
 
 /// What a wait can see of the other side.
 pub trait Watch {
-    /// Which side it is.
     fn side(&self) -> Side;
     /// Rung by the partner after each message.
     fn bell(&self) -> &Bell;

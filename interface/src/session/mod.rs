@@ -52,7 +52,6 @@ impl Session {
         Session::join_in(&base_directory(), side, name)
     }
 
-    /// Every session that runs, by name.
     pub fn list() -> Result<Vec<SessionInfo>, SessionError> {
         Session::list_in(&base_directory())
     }
@@ -131,7 +130,6 @@ impl Session {
         Ok(infos(held.path()))
     }
 
-    /// Name of the session, which the partner joins.
     pub fn name(&self) -> &str {
         &self.0.name
     }
@@ -146,7 +144,6 @@ impl Session {
         self.0.joined
     }
 
-    /// Directory of the session.
     pub fn root(&self) -> &Path {
         &self.0.root
     }

@@ -38,17 +38,14 @@ impl Partner {
         Ok(Partner { side, pid, pidfd, lock })
     }
 
-    /// Which processor it is.
     pub fn side(&self) -> Side {
         self.side
     }
 
-    /// Its process id.
     pub fn pid(&self) -> u32 {
         self.pid
     }
 
-    /// Whether the process has ended.
     pub fn ended(&self) -> bool {
         let mut polled = [PollFd::new(&self.pidfd, PollFlags::IN)];
         poll(&mut polled, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)

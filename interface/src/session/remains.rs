@@ -20,7 +20,6 @@ use std::{
 /// A running session, as `Session::list` finds it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionInfo {
-    /// Its name.
     pub name: String,
     /// Pid of its analog side, if present.
     pub analog: Option<u32>,

@@ -12,9 +12,7 @@ const SCRIPT: &str = include_str!("chart.js");
 pub struct Section {
     /// Anchor, unique within the page.
     pub id: String,
-    /// Heading.
     pub title: String,
-    /// What it holds.
     pub body: Markup,
 }
 
@@ -35,7 +33,6 @@ pub struct Numbering {
 }
 
 impl Numbering {
-    /// Starts at figure 1 and table 1.
     pub fn new() -> Numbering {
         Numbering::default()
     }

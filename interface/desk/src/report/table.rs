@@ -11,7 +11,6 @@ use super::format::{significant, typeset};
 pub enum Cell {
     /// A number, formatted by its column.
     Number(f64),
-    /// Words.
     Text(String),
     /// Words that lead to an anchor of the page.
     Link(String, String),
@@ -95,7 +94,6 @@ impl Heading {
         key.trim_matches('_').to_owned()
     }
 
-    /// The same with another number of digits.
     pub fn digits(mut self, digits: usize) -> Heading {
         self.digits = digits;
         self
@@ -105,9 +103,7 @@ impl Heading {
 /// A column of a table whose rows are made from values of `R`: all that there is to say of it.
 #[derive(Clone, Debug)]
 pub struct Column<R> {
-    /// Its heading.
     pub heading: Heading,
-    /// What stands in it.
     pub of: fn(&R) -> Cell,
 }
 
@@ -117,7 +113,6 @@ impl<R> Column<R> {
         Column { heading: Heading::new(label, unit), of }
     }
 
-    /// The same with another number of digits.
     pub fn digits(mut self, digits: usize) -> Column<R> {
         self.heading.digits = digits;
         self
@@ -132,19 +127,15 @@ impl<R> Column<R> {
 /// A table. Rows shorter than the headings are filled with blanks; longer ones are cut.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The columns.
     pub headings: Vec<Heading>,
-    /// The rows.
     pub rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
-    /// A table without rows.
     pub fn new(headings: Vec<Heading>) -> Table {
         Table { headings, rows: Vec::new() }
     }
 
-    /// The table of `rows`.
     pub fn of<'r, R: 'r>(columns: &[Column<R>], rows: impl IntoIterator<Item = &'r R>) -> Table {
         let cells = |row: &R| columns.iter().map(|c| (c.of)(row)).collect();
         Table {
@@ -153,12 +144,10 @@ impl Table {
         }
     }
 
-    /// Adds a row.
     pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
         self.rows.push(cells.into_iter().collect());
     }
 
-    /// The table for a page.
     pub fn markup(&self) -> Markup {
         let numeric: Vec<bool> = (0..self.headings.len())
             .map(|c| self.column(c).any(|cell| matches!(cell, Cell::Number(_))))

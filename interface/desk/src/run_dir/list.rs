@@ -20,15 +20,12 @@ pub enum RunState {
 /// One line of the list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunEntry {
-    /// The directory's name.
     pub name: String,
-    /// The directory.
     pub path: PathBuf,
     /// The command, or what is wrong with the record.
     pub command: String,
     /// When it started; empty when the record cannot be read.
     pub started: String,
-    /// How far it got.
     pub state: RunState,
 }
 

@@ -32,7 +32,6 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of that name and unit.
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Column {
         Column { name: name.into(), unit: unit.into() }
     }
@@ -117,7 +116,6 @@ impl<W: Write> TraceWriter<W> {
         Ok(())
     }
 
-    /// Rows pushed so far.
     pub fn rows(&self) -> u64 {
         self.rows
     }

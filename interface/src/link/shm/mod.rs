@@ -45,9 +45,7 @@ use iceoryx2::{
 };
 use std::time::{Duration, Instant};
 
-/// The analog processor's end.
 pub type ShmAnalog = AnalogEnd<AnalogPorts>;
-/// The digital processor's end.
 pub type ShmDigital = DigitalEnd<DigitalPorts>;
 
 impl ShmAnalog {

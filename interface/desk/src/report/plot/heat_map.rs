@@ -33,15 +33,12 @@ pub struct HeatMap {
     pub quantity: String,
     /// Heading of the corner (`Condition`).
     pub corner: String,
-    /// Row headings.
     pub rows: Vec<String>,
-    /// Column headings.
     pub columns: Vec<String>,
     /// Cells by row; a short or missing row is filled with dashes.
     pub cells: Vec<Vec<HeatCell>>,
     /// Values of the palest and the deepest tint; the data's extremes when absent.
     pub scale: Option<(f64, f64)>,
-    /// Significant digits.
     pub digits: usize,
 }
 

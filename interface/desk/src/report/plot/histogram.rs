@@ -10,7 +10,6 @@ use super::pen::Px;
 /// What a histogram shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    /// Heading inside the figure.
     pub title: String,
     /// The quantity; on a logarithmic axis the bins have equal ratios.
     pub x: Axis,
@@ -20,7 +19,6 @@ pub struct Histogram {
     pub bins: usize,
     /// Counts on a logarithmic scale, to show rare long waits.
     pub log_counts: bool,
-    /// Size.
     pub size: Size,
 }
 
