@@ -9,7 +9,7 @@ pub mod memory;
 pub mod shm;
 mod waiting;
 
-pub use end::{AnalogEnd, DigitalEnd};
+pub use end::End;
 pub use waiting::Patience;
 
 use crate::{

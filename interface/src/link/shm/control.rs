@@ -156,6 +156,20 @@ impl Incoming {
     }
 }
 
+/// One side's end of the control plane: what it sends, and what it gets.
+pub trait Control: std::fmt::Debug {
+    type Out;
+    type In;
+    /// Begins to send a message.
+    fn put(&mut self, message: &Self::Out, bell: &Bell) -> Result<(), LinkFault>;
+    /// Moves the exchange on; gives the message that comes when its last part has come.
+    fn take(&mut self, bell: &Bell) -> Result<Option<Self::In>, LinkFault>;
+    /// Moves what is left of a message; true when all of it has gone.
+    fn gone(&mut self, bell: &Bell) -> Result<bool, LinkFault>;
+    /// Whether the other side has said that it will end.
+    fn goodbye(&self) -> bool;
+}
+
 fn service(node: &Node<ipc::Service>) -> Result<Factory, LinkFault> {
     node.service_builder(&service_name("control")?)
         .request_response::<[u8], [u8]>()
@@ -171,12 +185,13 @@ fn service(node: &Node<ipc::Service>) -> Result<Factory, LinkFault> {
 
 /// The analog side's end of the control plane.
 #[derive(Debug)]
-pub(super) struct Server {
+pub struct Server {
     port: ServerPort<ipc::Service, [u8], (), [u8], ()>,
     incoming: Incoming,
     /// The exchange that the reply will answer.
     asked: Option<Active>,
     outgoing: Option<Outgoing>,
+    goodbye: bool,
 }
 
 impl Server {
@@ -187,11 +202,16 @@ impl Server {
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
             .map_err(fault("creating the control server"))?;
-        Ok(Server { port, incoming: Incoming::default(), asked: None, outgoing: None })
+        let incoming = Incoming::default();
+        Ok(Server { port, incoming, asked: None, outgoing: None, goodbye: false })
     }
+}
 
-    /// Moves the exchange on; gives the request when its last part has come.
-    pub(super) fn take(&mut self, bell: &Bell) -> Result<Option<Request>, LinkFault> {
+impl Control for Server {
+    type Out = Reply;
+    type In = Request;
+
+    fn take(&mut self, bell: &Bell) -> Result<Option<Request>, LinkFault> {
         let active = match self.port.receive() {
             Ok(Some(active)) => active,
             Ok(None) => return Ok(None),
@@ -200,10 +220,10 @@ impl Server {
         let (head, part) = Head::parse(active.payload()).ok_or_else(|| garbled("no such kind"))?;
         match head.kind {
             Kind::Part if self.incoming.take(head, part)? => {
-                let request = decode(&self.incoming.bytes);
-                self.incoming = Incoming::default();
+                let request = decode(&std::mem::take(&mut self.incoming).bytes)?;
                 self.asked = Some(active);
-                request.map(Some)
+                self.goodbye |= matches!(request, Request::Bye);
+                Ok(Some(request))
             }
             Kind::Part => {
                 let taken = Head { kind: Kind::Taken, ..head };
@@ -226,15 +246,15 @@ impl Server {
         }
     }
 
-    pub(super) fn reply(&mut self, reply: &Reply, bell: &Bell) -> Result<(), LinkFault> {
+    fn put(&mut self, reply: &Reply, bell: &Bell) -> Result<(), LinkFault> {
         let active = self.asked.take().ok_or_else(|| garbled("a reply without a request"))?;
         let outgoing = self.outgoing.insert(Outgoing { bytes: encode(reply)?, next: 1 });
         let (head, part) = outgoing.part(0).ok_or_else(|| garbled("a reply without parts"))?;
         respond(&active, head, part, bell)
     }
 
-    /// Serves pulls; true when the last part of the reply has gone.
-    pub(super) fn reply_gone(&mut self, bell: &Bell) -> Result<bool, LinkFault> {
+    /// Serves pulls.
+    fn gone(&mut self, bell: &Bell) -> Result<bool, LinkFault> {
         if self.outgoing.as_ref().is_none_or(Outgoing::done) {
             self.outgoing = None;
             return Ok(true);
@@ -243,6 +263,10 @@ impl Server {
             None => Ok(self.outgoing.as_ref().is_none_or(Outgoing::done)),
             Some(_) => Err(garbled("a request came before its forerunner was answered")),
         }
+    }
+
+    fn goodbye(&self) -> bool {
+        self.goodbye
     }
 }
 
@@ -261,7 +285,7 @@ fn byte_at(head: &[u8; HEAD], part: &[u8], i: usize) -> u8 {
 
 /// The digital side's end of the control plane.
 #[derive(Debug)]
-pub(super) struct Client {
+pub struct Client {
     /// Dropped before the port that it belongs to.
     pending: Option<Pending>,
     port: ClientPort<ipc::Service, [u8], (), [u8], ()>,
@@ -302,15 +326,19 @@ impl Client {
         self.pending = Some(self.ask(head, part, bell)?);
         Ok(())
     }
+}
 
-    pub(super) fn put(&mut self, request: &Request, bell: &Bell) -> Result<(), LinkFault> {
+impl Control for Client {
+    type Out = Request;
+    type In = Reply;
+
+    fn put(&mut self, request: &Request, bell: &Bell) -> Result<(), LinkFault> {
         self.incoming = Incoming::default();
         self.outgoing = Some(Outgoing { bytes: encode(request)?, next: 0 });
         self.push(bell)
     }
 
-    /// Moves the exchange on; gives the reply when its last part has come.
-    pub(super) fn take(&mut self, bell: &Bell) -> Result<Option<Reply>, LinkFault> {
+    fn take(&mut self, bell: &Bell) -> Result<Option<Reply>, LinkFault> {
         let Some(pending) = &self.pending else {
             return Err(garbled("nothing was asked"));
         };
@@ -350,5 +378,14 @@ impl Client {
             }
             Kind::Pull => Err(garbled("a reply of the wrong kind")),
         }
+    }
+
+    /// Its parts go with [`Control::take`].
+    fn gone(&mut self, _bell: &Bell) -> Result<bool, LinkFault> {
+        Ok(true)
+    }
+
+    fn goodbye(&self) -> bool {
+        false
     }
 }
