@@ -9,7 +9,6 @@
 #![allow(missing_docs)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
-pub mod coefficient;
 pub mod control;
 pub mod converter;
 pub mod deviate;

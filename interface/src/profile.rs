@@ -3,11 +3,10 @@
 //! Every number says where it is from ([`Provenance`]); a number that is absent
 //! is a stage switched off, or a supply without limit. [`Profile::ideal`] has
 //! none. A profile is plain data: what a number does is told where it is used
-//! (converter, coefficient, hold).
+//! (converter, hold).
 
 use crate::{
     Tick,
-    coefficient::CoefficientUnit,
     converter::{Converter, ConverterError},
     hold::{HoldKind, Settling},
 };
@@ -213,11 +212,11 @@ impl Profile {
 
     /// A digital coefficient unit scaled for `range`, or else for the profile's own
     /// range. A profile without bits sets every coefficient exactly.
-    pub fn coefficient_unit(&self, range: Option<f64>) -> Result<CoefficientUnit, ConverterError> {
+    pub fn coefficient_unit(&self, range: Option<f64>) -> Result<Converter, ConverterError> {
         let own = self.dcu.range.as_ref().map(|range| range.value);
         match &self.dcu.bits {
-            Some(bits) => CoefficientUnit::new(Some(bits.value), range.or(own)),
-            None => Ok(CoefficientUnit::ideal()),
+            Some(bits) => Converter::coefficient(Some(bits.value), range.or(own)),
+            None => Ok(Converter::ideal()),
         }
     }
 

@@ -16,7 +16,6 @@ use engine::{
 };
 use interface::{
     Tick,
-    coefficient::CoefficientUnit,
     converter::Converter,
     frame::{Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
     hold::Hold,
@@ -41,7 +40,7 @@ struct DacChannel {
 #[derive(Clone)]
 struct DcuChannel {
     channel: usize,
-    unit: CoefficientUnit,
+    unit: Converter,
     value: f64,
 }
 
@@ -62,7 +61,7 @@ impl Saturations {
 
     /// The coefficient to which a DCU channel's present value sets it.
     fn set(&mut self, dcu: &DcuChannel) -> f64 {
-        let setting = dcu.unit.set(dcu.value);
+        let setting = dcu.unit.convert(dcu.value);
         self.dcu[dcu.channel / 64] |=
             u64::from(setting.saturated || setting.non_finite) << (dcu.channel % 64);
         setting.value
