@@ -38,48 +38,38 @@ pub struct Sourced<T> {
     pub source: String,
 }
 
-macro_rules! classes {
-    ($($class:ident $key:literal $about:literal;)+) => {
-        /// Classes of block of which a machine has a certain number.
-        #[derive(
-            Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-        )]
-        pub enum BlockClass {
-            $(#[doc = $about] $class,)+
-        }
-
-        impl BlockClass {
-            /// Every class, in the order of a table.
-            pub const ALL: &[BlockClass] = &[$(BlockClass::$class),+];
-
-            /// Its key in a profile's `[counts]`, also its name in tables.
-            pub fn key(self) -> &'static str {
-                match self {
-                    $(BlockClass::$class => $key,)+
-                }
-            }
-        }
-    };
-}
-
-classes! {
-    Integrator "integrators" "Integrators, track/stores included.";
-    Amplifier "amplifiers" "Summers, inverters and other amplifiers that are no integrators.";
-    Multiplier "multipliers" "Multipliers, dividers, squares and square roots.";
-    Resolver "resolvers" "Sine/cosine resolvers.";
-    FunctionGenerator "function-generators" "Function generators of any number of inputs.";
-    Potentiometer "potentiometers" "Potentiometers set by hand or servo.";
-    Dcu "dcus" "Digital coefficient units.";
-    Dac "dacs" "Digital-to-analog converters, the multiplying ones included.";
-    Mdac "mdacs" "Multiplying digital-to-analog converters, which count as DACs too.";
-    AdcChannel "adc-channels" "ADC channels.";
-    Comparator "comparators" "Comparators and relays.";
-    Switch "switches" "Electronic switches.";
-    DiodeNetwork "diode-networks" "Non-linear diode networks: dead zone, limiter, backlash, friction, abs.";
-    Logic "logic" "Gates, flip-flops, one-shots, counters.";
-    SenseLine "sense-lines" "Sense lines.";
-    ControlLine "control-lines" "Control lines.";
-    InterruptLine "interrupt-lines" "Interrupt lines.";
+crate::named! {
+    /// Classes of block of which a machine has a certain number, by their keys in a profile's
+    /// `[counts]`, which are also their names in tables.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+    pub enum BlockClass, key {
+        /// Integrators, track/stores included.
+        Integrator "integrators"
+        /// Summers, inverters and other amplifiers that are no integrators.
+        Amplifier "amplifiers"
+        /// Multipliers, dividers, squares and square roots.
+        Multiplier "multipliers"
+        Resolver "resolvers"
+        FunctionGenerator "function-generators"
+        /// Potentiometers set by hand or servo.
+        Potentiometer "potentiometers"
+        Dcu "dcus"
+        /// Digital-to-analog converters, the multiplying ones included.
+        Dac "dacs"
+        /// Multiplying digital-to-analog converters, which count as DACs too.
+        Mdac "mdacs"
+        AdcChannel "adc-channels"
+        /// Comparators and relays.
+        Comparator "comparators"
+        Switch "switches"
+        /// Non-linear diode networks: dead zone, limiter, backlash, friction, abs.
+        DiodeNetwork "diode-networks"
+        /// Gates, flip-flops, one-shots, counters.
+        Logic "logic"
+        SenseLine "sense-lines"
+        ControlLine "control-lines"
+        InterruptLine "interrupt-lines"
+    }
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

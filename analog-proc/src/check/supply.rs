@@ -34,7 +34,7 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
     let first_without =
         (0..netlist.blocks.len()).filter(takes).nth(worst.available as usize).unwrap_or(0);
     let mut table = format!("  {:<20} {:>7} {:>10}", "class", "needed", "available");
-    for &class in BlockClass::ALL {
+    for class in BlockClass::ALL {
         let short = shortfalls.iter().find(|s| s.class == class);
         let needed = short.map_or(needs.get(&class).copied().unwrap_or(0), |s| s.needed);
         if needed == 0 {

@@ -200,7 +200,7 @@ impl Observer for Task {
             }
             Partition::DigitalControl => self.control(samples, result, command, updates),
         }
-        let away = (result.sample.pitch_rad - result.sample.pitch_command_rad).abs();
+        let away = (result.sample.angle_rad[0] - result.sample.pitch_command_rad).abs();
         if away > LOST_RAD || away.is_nan() {
             self.flown.lost = true;
             updates.mode = ModeCommand::End as u32;
@@ -211,9 +211,9 @@ impl Observer for Task {
     fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
         let (s, flown) = (&result.sample, &mut self.flown);
         if self.slow.due(samples.frame) {
-            flown.pitch_rad.push(s.pitch_rad);
+            flown.pitch_rad.push(s.angle_rad[0]);
         }
-        let away = (s.pitch_rad - s.pitch_command_rad).abs();
+        let away = (s.angle_rad[0] - s.pitch_command_rad).abs();
         flown.worst_error_rad = flown.worst_error_rad.max(away);
         flown.worst_roll_rad = flown.worst_roll_rad.max(result.attitude.angle_rad[2].abs());
         flown.end_s = s.time_s;

@@ -12,52 +12,27 @@
 use crate::Vehicle;
 use crate::gain_schedule::LoopGains;
 
-/// A mode of the shipped failure file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum FlightMode {
-    /// (i) Everything works.
-    Normal,
-    /// (ii) Roll gain zero.
-    RollLost,
-    /// (iii) Pitch tips at half effectiveness and tip 4 dead.
-    TipsDead,
-    /// (iii), only the pitch tips at half effectiveness.
-    PitchTipsHalf,
-    /// (iii), only tip 4 dead.
-    TipFourDead,
-    /// (iv) FTC gain zero in pitch and yaw; roll kept.
-    FtcElectronics,
-    /// (v) Sequencer stuck at its state of 17.5 s.
-    SequencerStuck,
-    /// (vi) The schedule with fewer switchings.
-    ReducedSchedule,
-}
-
-impl FlightMode {
-    /// All modes, in the paper's order.
-    pub const ALL: [Self; 8] = [
-        Self::Normal,
-        Self::RollLost,
-        Self::TipsDead,
-        Self::PitchTipsHalf,
-        Self::TipFourDead,
-        Self::FtcElectronics,
-        Self::SequencerStuck,
-        Self::ReducedSchedule,
-    ];
-
-    /// Name on the command line, in the failure file and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::RollLost => "roll-lost",
-            Self::TipsDead => "tips-dead",
-            Self::PitchTipsHalf => "pitch-tips-half",
-            Self::TipFourDead => "tip-four-dead",
-            Self::FtcElectronics => "ftc-electronics",
-            Self::SequencerStuck => "sequencer-stuck",
-            Self::ReducedSchedule => "reduced-schedule",
-        }
+interface::named! {
+    /// A mode of the shipped failure file, in the paper's order, by its name on the command line,
+    /// in the failure file and in reports.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum FlightMode, name {
+        /// (i) Everything works.
+        Normal "normal"
+        /// (ii) Roll gain zero.
+        RollLost "roll-lost"
+        /// (iii) Pitch tips at half effectiveness and tip 4 dead.
+        TipsDead "tips-dead"
+        /// (iii), only the pitch tips at half effectiveness.
+        PitchTipsHalf "pitch-tips-half"
+        /// (iii), only tip 4 dead.
+        TipFourDead "tip-four-dead"
+        /// (iv) FTC gain zero in pitch and yaw; roll kept.
+        FtcElectronics "ftc-electronics"
+        /// (v) Sequencer stuck at its state of 17.5 s.
+        SequencerStuck "sequencer-stuck"
+        /// (vi) The schedule with fewer switchings.
+        ReducedSchedule "reduced-schedule"
     }
 }
 
@@ -104,32 +79,19 @@ pub enum Effect {
     RunSequencer,
 }
 
-/// A part of the control system that an action may weaken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Part {
-    RollGain,
-    FtcPitch,
-    FtcYaw,
-    TvcPitch,
-    TvcYaw,
-    PitchTips,
-    Tip2,
-    Tip4,
-}
-
-impl Part {
-    pub fn words(self) -> &'static str {
-        match self {
-            Part::RollGain => "roll gain",
-            Part::FtcPitch => "FTC gain in pitch",
-            Part::FtcYaw => "FTC gain in yaw",
-            Part::TvcPitch => "TVC gain in pitch",
-            Part::TvcYaw => "TVC gain in yaw",
-            Part::PitchTips => "pitch tips",
-            Part::Tip2 => "tip 2",
-            Part::Tip4 => "tip 4",
-        }
+interface::named! {
+    /// A part of the control system that an action may weaken.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Part, words {
+        RollGain "roll gain"
+        FtcPitch "FTC gain in pitch"
+        FtcYaw "FTC gain in yaw"
+        TvcPitch "TVC gain in pitch"
+        TvcYaw "TVC gain in yaw"
+        PitchTips "pitch tips"
+        Tip2 "tip 2"
+        Tip4 "tip 4"
     }
 }
 

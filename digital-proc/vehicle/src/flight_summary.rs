@@ -15,12 +15,8 @@ pub struct FlightSample {
     pub time_s: f64,
     /// Speed, flight-path angle, altitude, range angle.
     pub trajectory: TrajectoryState,
-    /// θ, rad.
-    pub pitch_rad: f64,
-    /// ψ, rad.
-    pub yaw_rad: f64,
-    /// φ, rad.
-    pub roll_rad: f64,
+    /// θ, ψ, φ, rad.
+    pub angle_rad: [f64; 3],
     /// θ_c, rad.
     pub pitch_command_rad: f64,
     /// α, rad.
@@ -30,17 +26,21 @@ pub struct FlightSample {
     pub mach: f64,
     /// Q, Pa.
     pub dynamic_pressure_pa: f64,
-    pub pitch_tips_rad: f64,
-    pub tip_2_rad: f64,
-    pub tip_4_rad: f64,
-    pub tvc_pitch_n: f64,
-    pub tvc_yaw_n: f64,
+    /// Deflection of the pitch tips, of tip 2 and of tip 4, rad.
+    pub tip_rad: [f64; 3],
+    /// TVC force in pitch and yaw, N.
+    pub tvc_n: [f64; 2],
 }
 
 impl FlightSample {
     /// Qα, Pa·deg, signed.
     pub fn q_alpha_padeg(&self) -> f64 {
         self.dynamic_pressure_pa * self.incidence_rad.to_degrees()
+    }
+
+    fn peak(&self, value: f64) -> Peak {
+        let FlightSample { time_s, mach, trajectory, .. } = *self;
+        Peak { value, time_s, mach, altitude_m: trajectory.altitude_m }
     }
 }
 
@@ -108,26 +108,21 @@ impl FlightMonitor {
     /// is the trapezoid sum over the samples.
     pub fn observe(&mut self, sample: &FlightSample, edges: EdgeRecord) {
         self.edges.merge(edges);
-        let peak = |value| Peak {
-            value,
-            time_s: sample.time_s,
-            mach: sample.mach,
-            altitude_m: sample.trajectory.altitude_m,
-        };
         let keep = |held: &mut Option<Peak>, value: f64| {
             if held.is_none_or(|h| value > h.value) {
-                *held = Some(peak(value));
+                *held = Some(sample.peak(value));
             }
         };
         keep(&mut self.max_dynamic_pressure, sample.dynamic_pressure_pa);
         if sample.time_s >= self.judged_from_s {
             keep(&mut self.max_q_alpha, sample.q_alpha_padeg().abs());
         }
-        self.max_roll_rad = self.max_roll_rad.max(sample.roll_rad.abs());
+        self.max_roll_rad = self.max_roll_rad.max(sample.angle_rad[2].abs());
         if let Some(last) = self.last {
             let half_s = 0.5 * (sample.time_s - last.time_s);
-            self.tvc_impulse_ns[0] += half_s * (last.tvc_pitch_n.abs() + sample.tvc_pitch_n.abs());
-            self.tvc_impulse_ns[1] += half_s * (last.tvc_yaw_n.abs() + sample.tvc_yaw_n.abs());
+            for (i, impulse_ns) in self.tvc_impulse_ns.iter_mut().enumerate() {
+                *impulse_ns += half_s * (last.tvc_n[i].abs() + sample.tvc_n[i].abs());
+            }
         }
         self.last = Some(*sample);
     }
@@ -140,12 +135,7 @@ impl FlightMonitor {
         let [pitch_ns, yaw_ns] = self.tvc_impulse_ns;
         Some(FlightSummary {
             max_dynamic_pressure,
-            max_q_alpha: self.max_q_alpha.unwrap_or(Peak {
-                value: 0.0,
-                time_s: last.time_s,
-                mach: last.mach,
-                altitude_m: last.trajectory.altitude_m,
-            }),
+            max_q_alpha: self.max_q_alpha.unwrap_or_else(|| last.peak(0.0)),
             end: last.trajectory,
             end_time_s: last.time_s,
             range_m: self.earth_radius_m * last.trajectory.range_angle_rad,

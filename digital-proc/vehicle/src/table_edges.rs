@@ -7,39 +7,18 @@
 
 use crate::table::Edge;
 
-/// The tables of the data set whose edges are recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum TableName {
-    Thrust,
-    RollInertia,
-    Aerodynamics,
-    /// Pitch programme against time; before its first node the attitude is
-    /// the launch attitude by definition, so only the upper edge counts.
-    PitchProgramme,
-    Wind,
-    Bending,
-}
-
-impl TableName {
-    /// All tables, in the order of the bits.
-    pub const ALL: [Self; 6] = [
-        Self::Thrust,
-        Self::RollInertia,
-        Self::Aerodynamics,
-        Self::PitchProgramme,
-        Self::Wind,
-        Self::Bending,
-    ];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Thrust => "vacuum thrust (time)",
-            Self::RollInertia => "roll inertia (time)",
-            Self::Aerodynamics => "aerodynamic coefficients (Mach number)",
-            Self::PitchProgramme => "pitch programme (time)",
-            Self::Wind => "wind profile (altitude)",
-            Self::Bending => "bending mode (time)",
-        }
+interface::named! {
+    /// The tables of the data set whose edges are recorded, in the order of the bits.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum TableName, label {
+        Thrust "vacuum thrust (time)"
+        RollInertia "roll inertia (time)"
+        Aerodynamics "aerodynamic coefficients (Mach number)"
+        /// Before its first node the attitude is the launch attitude by definition, so only the
+        /// upper edge counts.
+        PitchProgramme "pitch programme (time)"
+        Wind "wind profile (altitude)"
+        Bending "bending mode (time)"
     }
 }
 

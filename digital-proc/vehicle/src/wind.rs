@@ -57,10 +57,7 @@ pub enum Wind {
 impl Wind {
     /// The vehicle's synthetic profile as head- or tailwind.
     pub fn synthetic(vehicle: &Vehicle, direction: WindDirection) -> Result<Self, TableError> {
-        let sign = match direction {
-            WindDirection::Head => -1.0,
-            WindDirection::Tail => 1.0,
-        };
+        let sign = if direction == WindDirection::Head { -1.0 } else { 1.0 };
         SyntheticWind::new(&vehicle.data().wind, sign).map(Self::Synthetic)
     }
 
@@ -105,15 +102,7 @@ pub struct SyntheticWind {
 impl SyntheticWind {
     /// Of the `[wind]` section; `sign` scales the whole profile (−1 headwind).
     pub fn new(data: &WindData, sign: f64) -> Result<Self, TableError> {
-        Self::with_reference(data, sign, data.reference_altitude_m)
-    }
-
-    /// The same with another reference altitude, for a sweep.
-    pub fn with_reference(
-        data: &WindData,
-        sign: f64,
-        reference_m: f64,
-    ) -> Result<Self, TableError> {
+        let reference_m = data.reference_altitude_m;
         let envelope_mps =
             Table::new(data.envelope_altitude_m.clone(), data.envelope_speed_mps.clone())?;
         Ok(Self {
