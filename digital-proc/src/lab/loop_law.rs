@@ -1,8 +1,8 @@
 //! Digital laws that a user can state without programming.
 
 use super::{
-    plan::{LabError, require},
     table::Table1,
+    theory::{Refusal, require},
 };
 use interface::frame::{Samples, Updates};
 use std::collections::VecDeque;
@@ -37,7 +37,7 @@ pub enum Element {
 
 impl Element {
     /// A delay of `frames`.
-    pub fn delay(frames: u32, gain: f64) -> Result<Element, LabError> {
+    pub fn delay(frames: u32, gain: f64) -> Result<Element, Refusal> {
         require("the gain", gain, true, "finite")?;
         require(
             "the delay",
@@ -49,7 +49,7 @@ impl Element {
     }
 
     /// A difference equation.
-    pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, LabError> {
+    pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, Refusal> {
         let leading = denominator.first().copied().unwrap_or(0.0);
         require("the denominator's first coefficient", leading, leading != 0.0, "not zero")?;
         for c in numerator.iter().chain(&denominator) {

@@ -3,7 +3,7 @@
 //! Beyond the ends the end values hold, as in the analog function generators, so that
 //! both sides mean the same function.
 
-use super::plan::LabError;
+use super::theory::Refusal;
 
 /// `y(x)` by linear interpolation.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +18,8 @@ fn locate(x: &[f64], at: f64) -> (usize, f64) {
     (i, ((at - x[i]) / (x[i + 1] - x[i])).clamp(0.0, 1.0))
 }
 
-fn check_breakpoints(x: &[f64]) -> Result<(), LabError> {
-    let fault = |value| LabError::Setting {
+fn check_breakpoints(x: &[f64]) -> Result<(), Refusal> {
+    let fault = |value| Refusal::Setting {
         what: "a table's breakpoint",
         value,
         range: "finite and above the one before it, two at least",
@@ -35,10 +35,10 @@ fn check_breakpoints(x: &[f64]) -> Result<(), LabError> {
 
 impl Table1 {
     /// Breakpoints x, increasing, and as many values y.
-    pub fn new(x: Vec<f64>, y: Vec<f64>) -> Result<Table1, LabError> {
+    pub fn new(x: Vec<f64>, y: Vec<f64>) -> Result<Table1, Refusal> {
         check_breakpoints(&x)?;
         if x.len() != y.len() || y.iter().any(|v| !v.is_finite()) {
-            return Err(LabError::Setting {
+            return Err(Refusal::Setting {
                 what: "a table's count of values",
                 value: y.len() as f64,
                 range: "that of its breakpoints, all finite",
@@ -48,7 +48,7 @@ impl Table1 {
     }
 
     /// A straight line through the origin over ±`limit`.
-    pub fn line(slope: f64, limit: f64) -> Result<Table1, LabError> {
+    pub fn line(slope: f64, limit: f64) -> Result<Table1, Refusal> {
         Table1::new(vec![-limit, 0.0, limit], vec![-slope * limit, 0.0, slope * limit])
     }
 
@@ -74,11 +74,11 @@ pub struct Table2 {
 
 impl Table2 {
     /// Breakpoints of x and y, and `x.len() · y.len()` values.
-    pub fn new(x: Vec<f64>, y: Vec<f64>, z: Vec<f64>) -> Result<Table2, LabError> {
+    pub fn new(x: Vec<f64>, y: Vec<f64>, z: Vec<f64>) -> Result<Table2, Refusal> {
         check_breakpoints(&x)?;
         check_breakpoints(&y)?;
         if z.len() != x.len() * y.len() || z.iter().any(|v| !v.is_finite()) {
-            return Err(LabError::Setting {
+            return Err(Refusal::Setting {
                 what: "a table's count of values",
                 value: z.len() as f64,
                 range: "the product of its breakpoint counts, all finite",

@@ -1,7 +1,7 @@
 //! A digital law of a loop study as it stands in the text.
 
 use super::{
-    super::{loop_law::Element, plan::LabError, table::Table1},
+    super::{loop_law::Element, table::Table1, theory::Refusal},
     LawSpec,
 };
 use desk::reader::{Named, SheetFields};
@@ -60,10 +60,10 @@ pub(super) fn law(f: &mut SheetFields<'_, '_>) -> Option<LawSpec> {
 }
 
 /// What was made of the values of a field, or a fault there.
-fn accepted<T>(f: &mut SheetFields<'_, '_>, key: &str, made: Result<T, LabError>) -> Option<T> {
+fn accepted<T>(f: &mut SheetFields<'_, '_>, key: &str, made: Result<T, Refusal>) -> Option<T> {
     let (fault, remedy) = match made {
         Ok(made) => return Some(made),
-        Err(LabError::Setting { what, value, range }) => {
+        Err(Refusal::Setting { what, value, range }) => {
             (format!("{what} is {value}"), format!("it must be {range}"))
         }
         Err(other) => (other.to_string(), "correct it here".to_owned()),

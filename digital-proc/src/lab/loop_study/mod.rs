@@ -168,7 +168,7 @@ impl LoopStudy {
         let mut law = self.law(bench.load(bundle.clone(), self.params.clone(), profile)?)?;
         let spec = lock_step(case.frame, case.latency, Tick::ZERO, self.stop);
         let saturated = bench.operate(&spec, &mut |samples, updates| law.step(samples, updates))?;
-        self.row(&LoopCase { bits, ..*case }, law.record(), &saturated)
+        Ok(self.row(&LoopCase { bits, ..*case }, law.record(), &saturated)?)
     }
 }
 

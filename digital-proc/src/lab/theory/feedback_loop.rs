@@ -5,7 +5,7 @@
 //! `t_n + τ`, 0 ≤ τ ≤ T, through any [`Hold`]. Where a sample and a transfer fall
 //! on one instant the sample comes first, which is the rule of the machine.
 
-use super::{C64, TheoryError, frame_and_latency, hold::Hold, period_map::PeriodMap};
+use super::{C64, Refusal, frame_and_latency, hold::Hold, period_map::PeriodMap};
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// A loop to be solved exactly; its constructors make the shapes that fit.
@@ -64,19 +64,19 @@ impl FeedbackLoop {
     }
 
     /// Root in the upper half plane of the loop closed without any interface.
-    pub fn continuous_root(&self) -> Result<C64, TheoryError> {
+    pub fn continuous_root(&self) -> Result<C64, Refusal> {
         let closed = &self.a + &self.b * &self.c * self.gain;
         super::period_map::eigenvalues(&closed)?
             .into_iter()
             .filter(|s| s.im > 0.0)
             .max_by(|p, q| p.re.total_cmp(&q.re))
-            .ok_or(TheoryError::NoRoot)
+            .ok_or(Refusal::NoRoot)
     }
 
     /// One frame from just before a sample to just before the next.
     ///
     /// State `[x; y; ẏ; pending; m_{n−1}; last transferred]`, n + 5.
-    pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
+    pub fn period_map(&self) -> Result<PeriodMap, Refusal> {
         let n = self.a.nrows();
         let (frame, latency) = frame_and_latency(self.frame_s, self.latency_s)?;
         let size = n + 5;
@@ -126,7 +126,7 @@ impl FeedbackLoop {
     }
 
     /// Exact equivalent root on the branch of the continuous one.
-    pub fn exact_root(&self) -> Result<C64, TheoryError> {
+    pub fn exact_root(&self) -> Result<C64, Refusal> {
         self.period_map()?.root_near(self.continuous_root()?)
     }
 
@@ -139,14 +139,14 @@ impl FeedbackLoop {
     /// where `1 + L(s) = 0` closes the loop through the sampled path.
     ///
     /// `L = −k c (sI − A)⁻¹ b`, `L′ = k c (sI − A)⁻² b`.
-    pub fn first_order_root(&self) -> Result<C64, TheoryError> {
+    pub fn first_order_root(&self) -> Result<C64, Refusal> {
         let s0 = self.continuous_root()?;
         let n = self.a.nrows();
         let m = DMatrix::<C64>::identity(n, n) * s0 - self.a.map(|v| C64::new(v, 0.0));
         let lu = m.lu();
         let b = self.b.map(|v| C64::new(v, 0.0));
-        let once = lu.solve(&b).ok_or(TheoryError::NoRoot)?;
-        let twice = lu.solve(&once).ok_or(TheoryError::NoRoot)?;
+        let once = lu.solve(&b).ok_or(Refusal::NoRoot)?;
+        let twice = lu.solve(&once).ok_or(Refusal::NoRoot)?;
         let slope: C64 = self.c.iter().zip(twice.iter()).map(|(c, v)| v * *c).sum();
         Ok(s0 - s0 * self.effective_delay_s() / (slope * self.gain))
     }
