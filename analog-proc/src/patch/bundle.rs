@@ -9,9 +9,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Reads a patch file and, through `[use]`, all files that it needs.
-///
-/// # Errors
-/// The root file cannot be read, or one of the files is not UTF-8 text.
 pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchFaults> {
     let name = |path: &Path| match path.file_name() {
         Some(name) => name.to_string_lossy().into_owned(),

@@ -33,9 +33,6 @@ use interface::control::PatchBundle;
 use std::collections::HashMap;
 
 /// Compiles a patch. `params` override entries of the root's `[params]`.
-///
-/// # Errors
-/// All faults of the patch.
 pub fn compile(bundle: &PatchBundle, params: &[(String, f64)]) -> Result<Ordered, PatchFaults> {
     let sources = Sources::new(bundle);
     let mut faults = Faults::new(sources.clone(), &bundle.root);

@@ -1,11 +1,9 @@
 //! Digital laws that a user can state without programming.
 
-use super::{
-    table::Table1,
-    theory::{Refusal, require},
-};
+use super::theory::{Refusal, require};
 use interface::frame::{Samples, Updates};
 use std::collections::VecDeque;
+use vehicle::table::Table;
 
 /// Longest delay and difference equation, frames.
 const LONGEST: usize = 100_000;
@@ -31,8 +29,9 @@ pub enum Element {
         /// The d values on their way, oldest first.
         line: VecDeque<f64>,
     },
-    /// `y = f(x)`.
-    Table(Table1),
+    /// `y = f(x)`, linear between breakpoints; beyond the ends the end values hold, as in the analog
+    /// function generators.
+    Table(Table),
 }
 
 impl Element {
@@ -86,7 +85,7 @@ impl Element {
                 line.push_back(*gain * x[0]);
                 y[0] = line.pop_front().unwrap_or(0.0);
             }
-            Element::Table(table) => y[0] = table.value(x[0]),
+            Element::Table(table) => y[0] = table.lookup(x[0]).value,
         }
     }
 }

@@ -24,7 +24,6 @@ mod plain_machine;
 mod plan;
 pub mod root;
 pub mod skew;
-mod table;
 mod theory;
 
 /// The list of experiments: the name of the command, and where its type is.

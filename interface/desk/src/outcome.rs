@@ -238,9 +238,6 @@ impl Outcome {
 
     /// Leaves record, traces, tables, summary and page in the run's directory and says where; `json`
     /// prints the summary instead.
-    ///
-    /// # Errors
-    /// A file that cannot be written; a claim that fails.
     pub fn publish(&self, run: &Run, json: bool) -> Result<(), Failure> {
         let directory = &run.directory;
         let mut record = run.record.clone();
@@ -265,9 +262,6 @@ impl Outcome {
     }
 
     /// Prints the outcome of a command that keeps no run of its own; `run` is the one it looked at.
-    ///
-    /// # Errors
-    /// A claim that fails.
     pub fn tell(&self, command: &str, run: Option<&Path>, json: bool) -> Result<(), Failure> {
         let failed = self.verdict();
         match json {
@@ -279,9 +273,6 @@ impl Outcome {
 
     /// The same where standard output is taken by what the command makes: JSON goes to standard
     /// error, and words nowhere.
-    ///
-    /// # Errors
-    /// A claim that fails.
     pub fn tell_beside(&self, command: &str, json: bool) -> Result<(), Failure> {
         let failed = self.verdict();
         if json {

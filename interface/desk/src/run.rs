@@ -17,9 +17,6 @@ pub struct Run {
 
 impl Run {
     /// Claims a directory under `base` for a run of `command` that starts now.
-    ///
-    /// # Errors
-    /// The directory or the record cannot be written.
     pub fn begin(base: &Path, command: &str, profile: &str, link: &str) -> Result<Run, Failure> {
         let started = UtcSecond::from_system(SystemTime::now());
         let directory = RunDirectory::create(base, command, started)?;

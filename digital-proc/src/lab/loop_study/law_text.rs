@@ -1,10 +1,11 @@
 //! A digital law of a loop study as it stands in the text.
 
 use super::{
-    super::{loop_law::Element, table::Table1, theory::Refusal},
+    super::{loop_law::Element, theory::Refusal},
     LawSpec,
 };
 use desk::reader::{Named, SheetFields};
+use vehicle::table::Table;
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -47,7 +48,7 @@ pub(super) fn law(f: &mut SheetFields<'_, '_>) -> Option<LawSpec> {
         }
         Kind::Table => {
             let (x, y) = (f.numbers("x"), f.numbers("y"));
-            let table = Table1::new(x?, y?);
+            let table = Table::new(x?, y?).map_err(Refusal::Table);
             Element::Table(accepted(f, "x", table)?)
         }
         _ => {

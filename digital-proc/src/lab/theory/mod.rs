@@ -47,6 +47,8 @@ pub enum Refusal {
     NoOscillation,
     #[error("the decomposition of the record did not converge")]
     NoDecomposition,
+    #[error(transparent)]
+    Table(#[from] vehicle::table::TableError),
 }
 
 /// Damping ratio `−Re s / |s|`.

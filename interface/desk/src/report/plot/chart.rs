@@ -67,19 +67,11 @@ impl Series {
     }
 }
 
-/// A horizontal line that must not be crossed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Limit {
-    /// Where, in the ordinate's unit.
-    pub value: f64,
-    pub name: String,
-}
-
-/// A vertical line at an event.
+/// A line across the chart with its name: a limit that must not be crossed, or an event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Where, in the abscissa's unit.
-    pub x: f64,
+    /// Where, in the unit of the axis that it crosses.
+    pub at: f64,
     pub name: String,
 }
 
@@ -104,7 +96,9 @@ pub struct LineChart {
     pub x: Axis,
     pub y: Axis,
     pub series: Vec<Series>,
-    pub limits: Vec<Limit>,
+    /// Horizontal ones.
+    pub limits: Vec<Mark>,
+    /// Vertical ones.
     pub marks: Vec<Mark>,
     pub size: Size,
 }
@@ -124,12 +118,12 @@ impl LineChart {
     }
 
     pub fn limit(mut self, value: f64, name: impl Into<String>) -> LineChart {
-        self.limits.push(Limit { value, name: name.into() });
+        self.limits.push(Mark { at: value, name: name.into() });
         self
     }
 
     pub fn mark(mut self, x: f64, name: impl Into<String>) -> LineChart {
-        self.marks.push(Mark { x, name: name.into() });
+        self.marks.push(Mark { at: x, name: name.into() });
         self
     }
 

@@ -21,8 +21,7 @@ pub fn line_chart(chart: &LineChart) -> Markup {
         .collect();
     let points = || curves.iter().flat_map(|curve| curve.runs.iter().flatten());
     let marked = chart.series.iter().any(|series| series.draw == Draw::Markers);
-    let limits: Vec<f64> =
-        chart.limits.iter().filter_map(|limit| chart.y.map(limit.value)).collect();
+    let limits: Vec<f64> = chart.limits.iter().filter_map(|limit| chart.y.map(limit.at)).collect();
     let x = chart.x.fit(
         points().map(|point| point.0),
         usize::from(chart.size.width) / 80,
@@ -81,7 +80,7 @@ struct Label<'a> {
 fn limits_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
     let mut labels: Vec<Label<'a>> = Vec::new();
     for limit in &chart.limits {
-        let Some(value) = chart.y.map(limit.value) else {
+        let Some(value) = chart.y.map(limit.at) else {
             continue;
         };
         let (_, y) = area.at(0.0, value);
@@ -100,7 +99,7 @@ fn marks_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
     let mut marks: Vec<(f64, &str)> = chart
         .marks
         .iter()
-        .filter_map(|mark| Some((area.at(chart.x.map(mark.x)?, 0.0).0, mark.name.as_str())))
+        .filter_map(|mark| Some((area.at(chart.x.map(mark.at)?, 0.0).0, mark.name.as_str())))
         .filter(|(x, _)| (0.0..=area.width).contains(x))
         .collect();
     marks.sort_by(|a, b| a.0.total_cmp(&b.0));
