@@ -2,8 +2,10 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::theme::STYLE;
-
+/// The style sheet: light, dark and paper, in one page. Figures carry classes only; their colours are
+/// defined here once for each surroundings. The eight line colours stay apart for the common colour
+/// deficiencies and each has its own dash, so that a black-and-white print tells them apart as well.
+const STYLE: &str = include_str!("page.css");
 /// What makes the charts answer the pointer; without it the page shows all the same.
 const SCRIPT: &str = include_str!("chart.js");
 

@@ -56,26 +56,20 @@ struct Head {
 
 impl Head {
     fn bytes(self) -> [u8; HEAD] {
-        let mut bytes = [0; HEAD];
-        bytes[0..4].copy_from_slice(&(self.kind as u32).to_le_bytes());
-        bytes[4..8].copy_from_slice(&self.index.to_le_bytes());
-        bytes[8..12].copy_from_slice(&self.count.to_le_bytes());
-        bytes
+        let words = [self.kind as u32, self.index, self.count].map(u32::to_le_bytes);
+        std::array::from_fn(|i| words[i / 4][i % 4])
     }
 
     fn parse(bytes: &[u8]) -> Option<(Head, &[u8])> {
         let (head, rest) = bytes.split_at_checked(HEAD)?;
-        let number = |at: usize| {
-            head.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes)
-        };
-        let kind = match number(0)? {
+        let word = |n: usize| u32::from_le_bytes(std::array::from_fn(|i| head[4 * n + i]));
+        let kind = match word(0) {
             0 => Kind::Part,
             1 => Kind::Taken,
             2 => Kind::Pull,
             _ => return None,
         };
-        let head = Head { kind, index: number(4)?, count: number(8)? };
-        Some((head, rest))
+        Some((Head { kind, index: word(1), count: word(2) }, rest))
     }
 }
 
