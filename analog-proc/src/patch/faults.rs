@@ -149,27 +149,19 @@ impl Faults {
         self.list.is_empty()
     }
 
-    /// Everything found. Only where something was.
-    pub(crate) fn into_faults(self) -> PatchFaults {
-        let root = self.root.clone();
-        match self.into_result() {
-            Err(faults) => faults,
-            Ok(()) => PatchFaults { root, faults: Vec::new(), omitted: 0 },
-        }
-    }
-
-    /// Nothing found, or everything found, in order of file and place.
-    pub(crate) fn into_result(mut self) -> Result<(), PatchFaults> {
-        if self.list.is_empty() {
-            return Ok(());
-        }
+    /// Everything found, in order of file and place. Only where something was.
+    pub(crate) fn into_faults(mut self) -> PatchFaults {
         let files: Vec<String> = self.sources.files.iter().map(|s| s.name().to_owned()).collect();
         let file_index = |fault: &PatchFault| {
             let name = fault.src.name();
             files.iter().position(|f| f == name).unwrap_or(files.len())
         };
         self.list.sort_by_cached_key(|fault| (file_index(fault), fault.at.offset()));
-        Err(PatchFaults { root: self.root, faults: self.list, omitted: self.omitted })
+        PatchFaults { root: self.root, faults: self.list, omitted: self.omitted }
+    }
+
+    pub(crate) fn into_result(self) -> Result<(), PatchFaults> {
+        if self.is_empty() { Ok(()) } else { Err(self.into_faults()) }
     }
 }
 

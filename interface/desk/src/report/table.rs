@@ -18,6 +18,16 @@ pub enum Cell {
     Missing,
 }
 
+impl Cell {
+    fn words(&self, number: impl Fn(f64) -> String, missing: &str) -> String {
+        match self {
+            Cell::Number(value) => number(*value),
+            Cell::Text(text) | Cell::Link(text, _) => text.clone(),
+            Cell::Missing => missing.to_owned(),
+        }
+    }
+}
+
 impl From<f64> for Cell {
     fn from(value: f64) -> Cell {
         Cell::Number(value)
@@ -179,11 +189,9 @@ impl Table {
 
     /// The table for a terminal: columns aligned, units under the headings.
     pub fn text(&self) -> String {
-        let content = |row: &[Cell], c: usize| match row.get(c) {
-            Some(Cell::Number(value)) => significant(*value, self.headings[c].digits),
-            Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
-            Some(Cell::Missing) => "–".to_owned(),
-            None => String::new(),
+        let content = |row: &[Cell], c: usize| {
+            let number = |value| significant(value, self.headings[c].digits);
+            row.get(c).map_or_else(String::new, |cell| cell.words(number, "–"))
         };
         let mut lines: Vec<Vec<String>> =
             vec![self.headings.iter().map(|h| h.label.clone()).collect()];
@@ -232,12 +240,8 @@ impl Table {
             if h.unit.is_empty() { h.label.clone() } else { format!("{} [{}]", h.label, h.unit) }
         }))?;
         for row in &self.rows {
-            let cell = |i: usize| match row.get(i) {
-                Some(Cell::Number(value)) => value.to_string(),
-                Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
-                Some(Cell::Missing) | None => String::new(),
-            };
-            writer.write_record((0..self.headings.len()).map(cell))?;
+            let cell = |i: usize| row.get(i).map(|cell| cell.words(|v| v.to_string(), ""));
+            writer.write_record((0..self.headings.len()).map(|i| cell(i).unwrap_or_default()))?;
         }
         writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))
     }
