@@ -20,3 +20,4 @@ mod replay;
 mod sampling;
 mod sessions;
 mod surroundings;
+mod sweep;

@@ -44,7 +44,7 @@ use paces::Paces;
 use watch::Node;
 
 /// The running state.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Engine {
     pub machine: Machine,
     pub frozen: Frozen,

@@ -35,8 +35,8 @@ pub struct Advance {
     pub stopped_by: Option<LatchedOverload>,
 }
 
-/// A machine with its state.
-#[derive(Debug)]
+/// A machine with its state; a clone goes on by itself.
+#[derive(Clone, Debug)]
 pub struct Simulation {
     engine: Engine,
     mode: Mode,

@@ -5,7 +5,7 @@
 //! Both links share these ends, so they cannot differ in behaviour.
 
 use super::{
-    AnalogPort, DigitalPort, LinkFault,
+    AnalogPort, DigitalPort, FramePort, LinkFault,
     waiting::{Limit, Patience, Watch, Watched, wait},
 };
 use crate::{
@@ -122,7 +122,7 @@ impl<W: AnalogWire> End<W> {
     }
 }
 
-impl<W: AnalogWire> AnalogPort for End<W> {
+impl<W: AnalogWire> FramePort for End<W> {
     fn send_samples(&mut self, samples: &Samples) -> Result<(), LinkFault> {
         self.patience.check_interrupt(self.protocol.frame())?;
         let lossy = self.protocol.may_skip();
@@ -180,7 +180,9 @@ impl<W: AnalogWire> AnalogPort for End<W> {
         let partner = self.wire.partner();
         if partner.gone() { Err(died(partner, frame)) } else { Ok(()) }
     }
+}
 
+impl<W: AnalogWire> AnalogPort for End<W> {
     fn await_request(&mut self) -> Result<Request, LinkFault> {
         let frame = self.protocol.frame();
         let request = self.message(Limit::Unlimited)?;

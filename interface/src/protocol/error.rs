@@ -40,6 +40,7 @@ pub(super) fn request_name(request: &Request) -> &'static str {
         Request::Preset(_) => "request Preset",
         Request::Read(_) => "request Read",
         Request::StaticCheck => "request StaticCheck",
+        Request::Sweep(_) => "request Sweep",
         Request::Operate(_) => "request Operate",
         Request::Diagnose => "request Diagnose",
         Request::Bye => "request Bye",
@@ -53,6 +54,7 @@ pub(super) fn reply_name(reply: &Reply) -> &'static str {
         Reply::Done => "reply Done",
         Reply::Values(_) => "reply Values",
         Reply::StaticCheck(_) => "reply StaticCheck",
+        Reply::Swept(_) => "reply Swept",
         Reply::Diagnosis { .. } => "reply Diagnosis",
         Reply::Refused(_) => "reply Refused",
     }
