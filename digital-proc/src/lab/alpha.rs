@@ -476,7 +476,6 @@ impl Alpha {
             columns: slow_axis.iter().map(|s| format!("{} ms", s * 1e3)).collect(),
             cells: by_scheme.map(|of| of.iter().map(cell).collect()).collect(),
             scale: None,
-            digits: 2,
         });
         let caption = format!("Damping ratio measured at K = {gain}; cells with a mark diverged.");
         outcome.section("Figures").figure(Figure::new("stability-map", caption, map));

@@ -21,7 +21,7 @@ pub use axis::{Axis, Scale};
 pub use chart::{Draw, LineChart, Mark, Series, Size};
 pub use compared::{Compared, measured_vs_theory};
 pub use heat_map::{HeatCell, HeatMap, heat_map};
-pub use histogram::{Histogram, histogram};
+pub use histogram::histogram;
 pub use line_chart::line_chart;
 pub use tornado::{Tornado, TornadoBar, tornado};
 
