@@ -2,7 +2,7 @@
 
 use desk::{
     outcome::Figure,
-    report::plot::{Axis, LineChart, Mark, Series, Size, line_chart},
+    report::plot::{Axis, Limit, LineChart, Series, Size, line_chart},
     run_dir::{RunDirError, Trace},
 };
 
@@ -36,8 +36,8 @@ pub fn ten_variables(trace: &Trace, q_alpha_limit_padeg: f64) -> Result<Vec<Figu
         let mut chart =
             LineChart::new("", Axis::new("Time", "s"), Axis::new(quantity, unit), series);
         if id == "q-alpha" {
-            let limit = |sign| Mark {
-                at: sign * q_alpha_limit_padeg / 1e3,
+            let limit = |sign| Limit {
+                value: sign * q_alpha_limit_padeg / 1e3,
                 name: "design limit".to_owned(),
             };
             chart.limits = vec![limit(1.0), limit(-1.0)];

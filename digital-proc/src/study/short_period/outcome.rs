@@ -13,7 +13,7 @@ use desk::{
     outcome::{Figure, Outcome},
     report::{
         Cell, Column, Table, anchor,
-        plot::{Axis, LineChart, Mark, STYLES, Series, Size, line_chart},
+        plot::{Axis, Limit, LineChart, STYLES, Series, Size, line_chart},
     },
     run_dir::{Curves, TRACE_FILE},
 };
@@ -251,7 +251,7 @@ pub(super) fn figures(
             Some(Series::line(if runs.len() > 1 { name.as_str() } else { "" }, &time, &values))
         };
         let travel = travel_rad.filter(|_| adc.starts_with("tip")).map(f64::to_degrees);
-        let limit = |value: f64| Mark { at: value, name: "travel".to_owned() };
+        let limit = |value: f64| Limit { value, name: "travel".to_owned() };
         let chart = LineChart {
             limits: travel.into_iter().flat_map(|t| [limit(t), limit(-t)]).collect(),
             size: Size::HALF,

@@ -1,4 +1,4 @@
-//! What a line chart shows: series, limits and marks on two axes.
+//! What a line chart shows: series and limits on two axes.
 
 use super::axis::Axis;
 
@@ -67,11 +67,11 @@ impl Series {
     }
 }
 
-/// A line across the chart with its name: a limit that must not be crossed, or an event.
+/// A horizontal line that must not be crossed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
-    /// Where, in the unit of the axis that it crosses.
-    pub at: f64,
+pub struct Limit {
+    /// Where, in the ordinate's unit.
+    pub value: f64,
     pub name: String,
 }
 
@@ -96,34 +96,18 @@ pub struct LineChart {
     pub x: Axis,
     pub y: Axis,
     pub series: Vec<Series>,
-    /// Horizontal ones.
-    pub limits: Vec<Mark>,
-    /// Vertical ones.
-    pub marks: Vec<Mark>,
+    pub limits: Vec<Limit>,
     pub size: Size,
 }
 
 impl LineChart {
-    /// A chart without limits and marks, at full size.
+    /// A chart without limits, at full size.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> LineChart {
-        LineChart {
-            title: title.into(),
-            x,
-            y,
-            series,
-            limits: Vec::new(),
-            marks: Vec::new(),
-            size: Size::FULL,
-        }
+        LineChart { title: title.into(), x, y, series, limits: Vec::new(), size: Size::FULL }
     }
 
     pub fn limit(mut self, value: f64, name: impl Into<String>) -> LineChart {
-        self.limits.push(Mark { at: value, name: name.into() });
-        self
-    }
-
-    pub fn mark(mut self, x: f64, name: impl Into<String>) -> LineChart {
-        self.marks.push(Mark { at: x, name: name.into() });
+        self.limits.push(Limit { value, name: name.into() });
         self
     }
 

@@ -26,7 +26,7 @@ pub fn histogram(x: &Axis, values: impl Iterator<Item = f64>, bins: usize) -> Ma
     let counting = Axis::new("Count", "").log().range(0.5, highest * 1.5);
     let y = counting.fit(std::iter::empty(), 6, 0.0);
     let width = (x.high - x.low) / bins as f64;
-    frame("", Size::FULL, (&x, &y), &[], 0.0, |area| {
+    frame("", Size::FULL, (&x, &y), &[], |area| {
         html! {
             @for (bin, &count) in counts.iter().enumerate() {
                 @if let Some(height) = counting.map(count as f64).filter(|_| count > 0) {

@@ -18,7 +18,7 @@ mod pen;
 mod tornado;
 
 pub use axis::{Axis, Scale};
-pub use chart::{Draw, LineChart, Mark, Series, Size};
+pub use chart::{Draw, Limit, LineChart, Series, Size};
 pub use compared::{Compared, measured_vs_theory};
 pub use heat_map::{HeatCell, HeatMap, heat_map};
 pub use histogram::histogram;
