@@ -8,7 +8,7 @@
 use crate::{
     Tick,
     converter::{Converter, ConverterError},
-    hold::{HoldKind, Settling},
+    hold::HoldKind,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -241,9 +241,9 @@ impl Profile {
         self.dac.hold.as_ref().map_or(HoldKind::ZeroOrder, |h| h.value)
     }
 
-    /// Settling of the DACs.
-    pub fn settling(&self) -> Settling {
-        Settling::new(duration(self.dac.settling.as_ref()).secs())
+    /// Time constant of the settling of the DACs; zero is off.
+    pub fn settling(&self) -> Tick {
+        duration(self.dac.settling.as_ref())
     }
 }
 

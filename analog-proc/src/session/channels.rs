@@ -179,7 +179,7 @@ impl Channels {
     /// Lets updates take effect at run time `at`, problem time `now_s`.
     pub fn transfer(&mut self, updates: &Updates, at: Tick, simulation: &mut Simulation) {
         let now_s = simulation.now_s();
-        let settling_s = self.profile.settling().time_constant_s();
+        let settling_s = self.profile.settling().secs();
         for dac in &mut self.dac {
             let Some(value) = updates.new_dac(dac.channel) else { continue };
             dac.value = value;
@@ -219,7 +219,7 @@ impl Channels {
     /// Holds the DACs whose interpolation ends at `at`.
     pub fn arrive(&mut self, at: Tick, simulation: &mut Simulation) {
         let now_s = simulation.now_s();
-        let settling_s = self.profile.settling().time_constant_s();
+        let settling_s = self.profile.settling().secs();
         for dac in self.dac.iter().filter(|d| d.hold.piece().end == Some(at)) {
             let value = dac.hold.piece().at(at);
             simulation.set_dac(

@@ -17,7 +17,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A running session, as `Session::list` finds it.
+/// A running session, as [`super::Session::list_in`] finds it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionInfo {
     pub name: String,

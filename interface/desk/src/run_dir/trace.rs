@@ -116,10 +116,6 @@ impl<W: Write> TraceWriter<W> {
         Ok(())
     }
 
-    pub fn rows(&self) -> u64 {
-        self.rows
-    }
-
     /// Writes the rows held back as a batch of their own.
     pub fn flush(&mut self) -> Result<(), RunDirError> {
         if self.ticks.is_empty() {
