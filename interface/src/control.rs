@@ -105,6 +105,21 @@ pub struct SweptRun {
     pub fault: Option<(Tick, String)>,
 }
 
+/// The loaded patch made linear about where it stands: ẋ = A x + B u, y = C x + D u, per second.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinearModel {
+    /// The block of each state.
+    pub states: Vec<String>,
+    /// States by states, a row a state, row after row.
+    pub a: Vec<f64>,
+    /// States by inputs.
+    pub b: Vec<f64>,
+    /// Outputs by states.
+    pub c: Vec<f64>,
+    /// Outputs by inputs.
+    pub d: Vec<f64>,
+}
+
 /// Role of a converter, coefficient or line in the loaded patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ChannelKind {
@@ -171,6 +186,14 @@ pub enum Request {
     Operate(RunSpec),
     /// Many runs without a frame crossing; afterwards the machine stands as before.
     Sweep(Sweep),
+    /// The linear model about the present state, by names of nets; an input stands for whatever
+    /// drives its net.
+    Linearise {
+        /// Inputs u.
+        inputs: Vec<String>,
+        /// Outputs y.
+        outputs: Vec<String>,
+    },
     /// Text of the fault that ended the last run, and latched overloads.
     Diagnose,
     /// Ends the session.
@@ -227,6 +250,8 @@ pub enum Reply {
     StaticCheck(Vec<StaticCheckLine>),
     /// The runs of a sweep, in the order of its cases.
     Swept(Vec<SweptRun>),
+    /// The linear model.
+    Linear(LinearModel),
     /// What ended the last run, and overloads.
     Diagnosis {
         /// Fault text, if the last run faulted.

@@ -83,6 +83,7 @@ enum Pending {
     Read(usize),
     StaticCheck,
     Sweep(usize),
+    Linearise,
     Operate(Clock),
     Diagnose,
     Bye,
@@ -180,6 +181,7 @@ impl Protocol {
             Request::StaticCheck => Pending::StaticCheck,
             Request::Operate(spec) => Pending::Operate(spec.clock),
             Request::Sweep(sweep) => Pending::Sweep(sweep.cases.len()),
+            Request::Linearise { .. } => Pending::Linearise,
             Request::Diagnose => Pending::Diagnose,
             Request::Bye => Pending::Bye,
         });
@@ -215,6 +217,7 @@ impl Protocol {
             }
             (Pending::Set, Reply::Done)
             | (Pending::StaticCheck, Reply::StaticCheck(_))
+            | (Pending::Linearise, Reply::Linear(_))
             | (Pending::Diagnose, Reply::Diagnosis { .. }) => Phase::Idle,
             (Pending::Read(count), Reply::Values(values)) if values.len() == *count => Phase::Idle,
             (Pending::Sweep(count), Reply::Swept(runs)) if runs.len() == *count => Phase::Idle,
@@ -308,6 +311,7 @@ impl Pending {
             Pending::Read(_) => "Read",
             Pending::StaticCheck => "StaticCheck",
             Pending::Sweep(_) => "Sweep",
+            Pending::Linearise => "Linearise",
             Pending::Operate(_) => "Operate",
             Pending::Diagnose => "Diagnose",
             Pending::Bye => "Bye",

@@ -148,6 +148,8 @@ fn every_command_has_one_form() {
             0,
             &["/results/steps", "/tables/files/0/file"],
         ),
+        (ANALOG, &["linearise", sound], 0, &["/tables/roots/0/real_part_1_s", "/tables/a/0/row"]),
+        (ANALOG, &["linearise", sound, "--output", "nobody"], 2, &[]),
         (ANALOG, &["draw", sound, "--out", svg], 0, &["/results/blocks", "/tables/files/0/file"]),
         (DIGITAL, &["sampling", "circle", "--out", runs], 0, &["/run", "/claims/0/verdict"]),
         (DIGITAL, &["sampling", "noise", "--frames", "1001", "--out", runs], 0, &["/run"]),

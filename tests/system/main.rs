@@ -13,6 +13,7 @@ mod gain_design;
 mod golden;
 mod json;
 mod kills;
+mod linear;
 mod long_period;
 mod loop_study;
 mod partition;

@@ -9,13 +9,15 @@ use crate::{
     session::{board::Board, channels::Channels, frame_cycle, static_check::static_check, sweep},
     tolerance,
 };
-use engine::id::NetId;
+use desk::faults::suggestion;
+use engine::{id::NetId, linear::Linear};
 use interface::{
     Tick,
-    control::{PatchBundle, Reply, Request, RunSpec},
+    control::{LinearModel, PatchBundle, Reply, Request, RunSpec},
     link::{AnalogPort, LinkFault},
     profile::Profile,
 };
+use nalgebra::DMatrix;
 
 /// Serves one session until the digital side says goodbye or is gone.
 pub fn serve(port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
@@ -100,16 +102,12 @@ impl Server {
             }
             Request::Read(names) => {
                 let loaded = self.loaded()?;
-                let netlist = &loaded.ordered.netlist;
-                let read = |name: &String| {
-                    netlist
-                        .nets
-                        .iter()
-                        .position(|n| n.name == *name)
-                        .map(|i| loaded.board.simulation.net(NetId(i as u32)))
-                        .ok_or_else(|| format!("the patch has no net `{name}` to read"))
-                };
-                names.iter().map(read).collect::<Result<_, _>>().map(Reply::Values)
+                let nets = loaded.nets(&names)?;
+                let values = nets.into_iter().map(|net| loaded.board.simulation.net(net));
+                Ok(Reply::Values(values.collect()))
+            }
+            Request::Linearise { inputs, outputs } => {
+                self.loaded()?.linearise(&inputs, &outputs).map(Reply::Linear)
             }
             Request::StaticCheck => {
                 let loaded = self.loaded()?;
@@ -194,6 +192,34 @@ impl Loaded {
         let mut loaded = Loaded { bundle, profile, params, ics: Vec::new(), ordered, board };
         loaded.set_ics(ics)?;
         Ok(loaded)
+    }
+
+    fn nets(&self, names: &[String]) -> Result<Vec<NetId>, String> {
+        let nets = &self.ordered.netlist.nets;
+        let find = |name: &String| match nets.iter().position(|net| net.name == *name) {
+            Some(i) => Ok(NetId(i as u32)),
+            None => Err(format!(
+                "the patch has no net `{name}`; {}",
+                suggestion(name, nets.iter().map(|net| net.name.as_str()))
+            )),
+        };
+        names.iter().map(find).collect()
+    }
+
+    fn linearise(&self, inputs: &[String], outputs: &[String]) -> Result<LinearModel, String> {
+        let (inputs, outputs) = (self.nets(inputs)?, self.nets(outputs)?);
+        let linear = self.board.simulation.linearise(&inputs, &outputs);
+        let Linear { a, b, c, d } = linear.map_err(|fault| fault.to_string())?;
+        let machine = self.board.simulation.machine();
+        let states = machine.block_of_state.iter();
+        let rows = |m: DMatrix<f64>| m.transpose().as_slice().to_vec();
+        Ok(LinearModel {
+            states: states.map(|block| machine.block_names[block.index()].clone()).collect(),
+            a: rows(a),
+            b: rows(b),
+            c: rows(c),
+            d: rows(d),
+        })
     }
 
     /// Sets initial conditions and goes to IC, and remembers them.

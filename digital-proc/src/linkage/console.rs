@@ -8,8 +8,8 @@ use desk::faults::suggestion;
 use interface::{
     Tick,
     control::{
-        Channel, ChannelKind, Overload, PatchBundle, Reply, Request, RunSpec, Sweep, SweepCase,
-        SweptRun,
+        Channel, ChannelKind, LinearModel, Overload, PatchBundle, Reply, Request, RunSpec, Sweep,
+        SweepCase, SweptRun,
     },
     frame::{RunState, Samples, Updates},
     link::{DigitalPort, LinkFault},
@@ -206,6 +206,24 @@ impl<'p> Console<'p> {
         match request(self.port, &Request::Read(nets))? {
             Reply::Values(values) => Ok(values),
             _ => Err(ConsoleFault::WrongReply { request: "a read-back" }),
+        }
+    }
+
+    /// The linear model of the patch about its present state, from the nets `inputs`, in place of
+    /// what drives them, to the nets `outputs`.
+    ///
+    /// # Errors
+    /// [`ConsoleFault::Refused`]: an unknown net, a transport delay, a slope that does not exist.
+    pub fn linearise(
+        &mut self,
+        inputs: &[&str],
+        outputs: &[&str],
+    ) -> Result<LinearModel, ConsoleFault> {
+        let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        let (inputs, outputs) = (owned(inputs), owned(outputs));
+        match request(self.port, &Request::Linearise { inputs, outputs })? {
+            Reply::Linear(model) => Ok(model),
+            _ => Err(ConsoleFault::WrongReply { request: "a linear model" }),
         }
     }
 

@@ -41,6 +41,7 @@ pub(super) fn request_name(request: &Request) -> &'static str {
         Request::Read(_) => "request Read",
         Request::StaticCheck => "request StaticCheck",
         Request::Sweep(_) => "request Sweep",
+        Request::Linearise { .. } => "request Linearise",
         Request::Operate(_) => "request Operate",
         Request::Diagnose => "request Diagnose",
         Request::Bye => "request Bye",
@@ -55,6 +56,7 @@ pub(super) fn reply_name(reply: &Reply) -> &'static str {
         Reply::Values(_) => "reply Values",
         Reply::StaticCheck(_) => "reply StaticCheck",
         Reply::Swept(_) => "reply Swept",
+        Reply::Linear(_) => "reply Linear",
         Reply::Diagnosis { .. } => "reply Diagnosis",
         Reply::Refused(_) => "reply Refused",
     }
