@@ -81,12 +81,12 @@ fn the_patch_is_the_second_formulation_of_the_partition() {
         .unwrap();
     });
     for (name, limit, of) in [
-        ("pitch, rad", 1e-5, (|s: &FlightSample| s.pitch_rad) as fn(&FlightSample) -> f64),
+        ("pitch, rad", 1e-5, (|s: &FlightSample| s.angle_rad[0]) as fn(&FlightSample) -> f64),
         ("incidence, rad", 1e-5, |s| s.incidence_rad),
         ("speed, m/s", 1e-3, |s| s.trajectory.speed_mps),
         ("altitude, m", 0.05, |s| s.trajectory.altitude_m),
-        ("roll, rad", 1e-5, |s| s.roll_rad),
-        ("injection force, N", 5.0, |s| s.tvc_pitch_n),
+        ("roll, rad", 1e-5, |s| s.angle_rad[2]),
+        ("injection force, N", 5.0, |s| s.tvc_n[0]),
     ] {
         let (difference, time_s) = worst(&machine, &reference, of);
         assert!(difference < limit, "{name}: {difference:e} at {time_s} s, limit {limit:e}");

@@ -1,13 +1,10 @@
 //! Digital laws that a user can state without programming.
 
-use super::{
-    plan::{LabError, require},
-    table::Table1,
-    theory::sampled_loop::LinearLaw,
-};
+use super::theory::{Refusal, require, sampled_loop::LinearLaw};
 use interface::frame::{Samples, Updates};
 use nalgebra::DMatrix;
 use std::collections::VecDeque;
+use vehicle::table::Table;
 
 /// Longest delay and difference equation, frames.
 const LONGEST: usize = 100_000;
@@ -33,13 +30,14 @@ pub enum Element {
         /// The d values on their way, oldest first.
         line: VecDeque<f64>,
     },
-    /// `y = f(x)`.
-    Table(Table1),
+    /// `y = f(x)`, linear between breakpoints; beyond the ends the end values hold, as in the analog
+    /// function generators.
+    Table(Table),
 }
 
 impl Element {
     /// A delay of `frames`.
-    pub fn delay(frames: u32, gain: f64) -> Result<Element, LabError> {
+    pub fn delay(frames: u32, gain: f64) -> Result<Element, Refusal> {
         require("the gain", gain, true, "finite")?;
         require(
             "the delay",
@@ -51,7 +49,7 @@ impl Element {
     }
 
     /// A difference equation.
-    pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, LabError> {
+    pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, Refusal> {
         let leading = denominator.first().copied().unwrap_or(0.0);
         require("the denominator's first coefficient", leading, leading != 0.0, "not zero")?;
         for c in numerator.iter().chain(&denominator) {
@@ -139,7 +137,7 @@ impl Element {
                 line.push_back(*gain * x[0]);
                 y[0] = line.pop_front().unwrap_or(0.0);
             }
-            Element::Table(table) => y[0] = table.value(x[0]),
+            Element::Table(table) => y[0] = table.lookup(x[0]).value,
         }
     }
 }

@@ -39,7 +39,7 @@ impl Poles {
         profile: &Profile,
         case: &LoopCase,
     ) -> Result<Result<Poles, String>, LabError> {
-        if profile.aperture() > Tick::ZERO || profile.settling().time_constant_s() > 0.0 {
+        if profile.aperture() > Tick::ZERO || profile.settling() > Tick::ZERO {
             return Ok(Err("the profile's aperture and settling are not in them".to_owned()));
         }
         let (adcs, dacs) = (names(study, |law| &law.inputs), names(study, |law| &law.outputs));

@@ -7,10 +7,9 @@
 use super::{
     super::{
         bench::Saturated,
-        identify::{self, IdentifyError},
+        identify,
         modal_fit::ModalFit,
-        plan::LabError,
-        theory::{C64, damping_ratio, equivalent_root},
+        theory::{C64, Refusal, damping_ratio, equivalent_root},
     },
     LoopCase, LoopStudy,
     poles::Poles,
@@ -79,7 +78,7 @@ impl LoopStudy {
         case: &LoopCase,
         record: &[f64],
         saturated: &Saturated,
-    ) -> Result<LoopRow, LabError> {
+    ) -> Result<LoopRow, Refusal> {
         identify::check(record, identify::SHORTEST)?;
         let frames = |t: interface::Tick| (t.0 / case.frame.0) as usize;
         let first = frames(interface::Tick(self.from.0 + case.frame.0 - 1)).min(record.len());
@@ -145,7 +144,7 @@ impl LoopRow {
 }
 
 /// The mode of a record, or why none is told. Faults are those of a record that is none.
-fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, LabError> {
+fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, Refusal> {
     let step = converter_step(record);
     let judged = match above_the_steps(record, step) {
         Some(judged) => judged,
@@ -155,7 +154,7 @@ fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, LabError>
     let floor = (2.0 * step / peak(judged)).max(1e-9);
     let sought = |part: &[f64]| match identify::factors(part, floor) {
         Ok(z) => Ok(z),
-        Err(IdentifyError::NoOscillation) => Ok(Vec::new()),
+        Err(Refusal::NoOscillation) => Ok(Vec::new()),
         Err(e) => Err(e),
     };
     let z = sought(judged)?;

@@ -6,7 +6,7 @@
 //! on one instant the sample comes first, which is the rule of the machine.
 
 use super::{
-    C64, TheoryError,
+    C64, Refusal,
     hold::Hold,
     period_map::PeriodMap,
     sampled_loop::{LinearLaw, Plant, period_map},
@@ -69,20 +69,20 @@ impl FeedbackLoop {
     }
 
     /// Root in the upper half plane of the loop closed without any interface.
-    pub fn continuous_root(&self) -> Result<C64, TheoryError> {
+    pub fn continuous_root(&self) -> Result<C64, Refusal> {
         let closed = &self.a + &self.b * &self.c * self.gain;
         super::period_map::eigenvalues(&closed)?
             .into_iter()
             .filter(|s| s.im > 0.0)
             .max_by(|p, q| p.re.total_cmp(&q.re))
-            .ok_or(TheoryError::NoRoot)
+            .ok_or(Refusal::NoRoot)
     }
 
     /// One frame from just before a sample to just before the next.
     ///
     /// # Errors
     /// A frame or latency out of range.
-    pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
+    pub fn period_map(&self) -> Result<PeriodMap, Refusal> {
         let one = |value: f64| DMatrix::from_element(1, 1, value);
         let (order, lead) = (self.a.nrows(), self.gain * self.lead_frames);
         let plant = Plant {
@@ -97,7 +97,7 @@ impl FeedbackLoop {
     }
 
     /// Exact equivalent root on the branch of the continuous one.
-    pub fn exact_root(&self) -> Result<C64, TheoryError> {
+    pub fn exact_root(&self) -> Result<C64, Refusal> {
         self.period_map()?.root_near(self.continuous_root()?)
     }
 
@@ -110,14 +110,14 @@ impl FeedbackLoop {
     /// where `1 + L(s) = 0` closes the loop through the sampled path.
     ///
     /// `L = −k c (sI − A)⁻¹ b`, `L′ = k c (sI − A)⁻² b`.
-    pub fn first_order_root(&self) -> Result<C64, TheoryError> {
+    pub fn first_order_root(&self) -> Result<C64, Refusal> {
         let s0 = self.continuous_root()?;
         let n = self.a.nrows();
         let m = DMatrix::<C64>::identity(n, n) * s0 - self.a.map(|v| C64::new(v, 0.0));
         let lu = m.lu();
         let b = self.b.map(|v| C64::new(v, 0.0));
-        let once = lu.solve(&b).ok_or(TheoryError::NoRoot)?;
-        let twice = lu.solve(&once).ok_or(TheoryError::NoRoot)?;
+        let once = lu.solve(&b).ok_or(Refusal::NoRoot)?;
+        let twice = lu.solve(&once).ok_or(Refusal::NoRoot)?;
         let slope: C64 = self.c.iter().zip(twice.iter()).map(|(c, v)| v * *c).sum();
         Ok(s0 - s0 * self.effective_delay_s() / (slope * self.gain))
     }

@@ -5,7 +5,7 @@
 //! `u_n = H w_n + J m_n, w_{n+1} = F w_n + G m_n`, sampled at `t_n = nT` and transferred at `t_n + τ`,
 //! 0 ≤ τ ≤ T. Where a sample and a transfer fall on one instant the sample comes first.
 
-use super::{TheoryError, frame_and_latency, hold::Hold, period_map::PeriodMap};
+use super::{Refusal, frame_and_latency, hold::Hold, period_map::PeriodMap};
 use nalgebra::DMatrix;
 
 /// A plant in state space; n states, m inputs (DACs), p outputs (ADCs).
@@ -46,7 +46,7 @@ pub fn period_map(
     hold: Hold,
     frame_s: f64,
     latency_s: f64,
-) -> Result<PeriodMap, TheoryError> {
+) -> Result<PeriodMap, Refusal> {
     let (frame, latency) = frame_and_latency(frame_s, latency_s)?;
     let (n, m, w) = (plant.a.nrows(), plant.b.ncols(), law.f.nrows());
     let size = n + 4 * m + w;

@@ -18,10 +18,10 @@ mod pen;
 mod tornado;
 
 pub use axis::{Axis, Scale};
-pub use chart::{Draw, Limit, LineChart, Mark, Series, Size};
+pub use chart::{Draw, Limit, LineChart, Series, Size};
 pub use compared::{Compared, measured_vs_theory};
 pub use heat_map::{HeatCell, HeatMap, heat_map};
-pub use histogram::{Histogram, histogram};
+pub use histogram::histogram;
 pub use line_chart::line_chart;
 pub use tornado::{Tornado, TornadoBar, tornado};
 
