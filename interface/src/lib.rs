@@ -37,6 +37,7 @@ pub mod processor;
 pub mod profile;
 pub mod protocol;
 pub mod session;
+pub mod side_by_side;
 pub mod tick;
 
 pub use protocol::Side;

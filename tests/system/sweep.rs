@@ -1,6 +1,6 @@
 //! Iterative operation: many runs by one request, each with the bits of a run alone.
 
-use crate::bench_top::with_console;
+use crate::bench_top::{ANALOG, BenchTop, expect, stderr, with_console};
 use digital_proc::linkage::console::{Console, ConsoleFault, SweepRun};
 use interface::{
     Tick,
@@ -9,6 +9,7 @@ use interface::{
     profile::Profile,
 };
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+use serde_json::Value;
 
 /// A decay of settable rate that ends in a division by zero, where it gets so far.
 const DECAY: &str = r#"
@@ -145,4 +146,55 @@ fn a_hundred_thousand_runs_need_no_more_memory_than_a_thousand() {
         // Allocators keep some of what threads have freed; the runs' own samples are 17 MB.
         assert!(many < thousand + 8 * 1024, "{thousand} KiB, then {many} KiB");
     });
+}
+
+/// `analog-proc sweep` against runs of the same settings, and against ω = ω₀ √(1 − ζ²).
+#[test]
+fn a_students_sweep_has_the_numbers_of_his_runs() {
+    let top = BenchTop::new();
+    std::fs::create_dir_all(top.runs()).unwrap();
+    let patch = concat!(env!("CARGO_MANIFEST_DIR"), "/patch-files/damped-oscillator.toml");
+    let page = top.runs().join("zeta.html").display().to_string();
+    let sets = ["--set", "zeta=0.02:0.32:4", "--set", "wn=1.5,2"];
+    let args = [&["sweep", patch, "--until", "20s", "--page", &page, "--json"], &sets[..]].concat();
+    let told = expect(&mut top.command(ANALOG, &args), 0).stdout;
+    let told: Value = serde_json::from_slice(&told).unwrap();
+    let rows = told["tables"]["sweep"].as_array().unwrap();
+    assert_eq!(rows.len(), 8);
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap();
+        let (zeta, wn) = (number("zeta"), number("wn"));
+        let (zeta_set, wn_set) = (format!("zeta={zeta}"), format!("wn={wn}"));
+        let csv = top.runs().join("one.csv").display().to_string();
+        let one = ["run", patch, "--until", "20s", "--every", "20ms", "--out", &csv];
+        let args = [&one[..], &["--set", &zeta_set, "--set", &wn_set]].concat();
+        expect(&mut top.command(ANALOG, &args), 0);
+        let text = std::fs::read_to_string(&csv).unwrap();
+        let place = text.lines().next().unwrap().split(',').position(|name| name == "x").unwrap();
+        let column: Vec<f64> = text
+            .lines()
+            .skip(1)
+            .map(|l| l.split(',').nth(place).unwrap().parse().unwrap())
+            .collect();
+        assert_eq!(number("x_last"), *column.last().unwrap());
+        assert_eq!(number("x_least"), column.iter().copied().fold(f64::INFINITY, f64::min));
+        assert_eq!(number("x_greatest"), column.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        if zeta < 0.05 {
+            // A decay crosses its mean a little off zero: below a hundredth of the period.
+            let truth = std::f64::consts::TAU / (wn * (1.0 - zeta * zeta).sqrt());
+            assert!((number("x_period_s") / truth - 1.0).abs() < 1e-2, "{row}");
+        }
+    }
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("zeta = 0.02") && page.contains("<svg"));
+    let refused = |sets: &[&str], told: &str| {
+        let args = [&["sweep", patch, "--until", "1s"], sets].concat();
+        let text = stderr(&expect(&mut top.command(ANALOG, &args), 2));
+        assert!(text.contains(told), "{text}");
+    };
+    refused(&["--set", "zeta=1:2"], "LOW:HIGH:COUNT");
+    refused(&["--set", "zeta=0:1:9:log"], "positive");
+    refused(&["--set", "zeta=1", "--set", "zeta=2"], "twice");
+    refused(&["--set", "zeta=0:1:1000", "--set", "wn=1:2:1000"], "1000000 runs");
+    refused(&["--set", "zetta=1,2"], "zeta");
 }

@@ -7,6 +7,7 @@ mod linearise;
 mod progress;
 mod run;
 mod serve;
+mod sweep;
 
 use crate::order::Ordered;
 use clap::{Args, Parser, Subcommand};
@@ -32,6 +33,7 @@ use std::{
 ///
 ///   analog-proc check patch-files/van-der-pol.toml
 ///   analog-proc run   patch-files/van-der-pol.toml --until 20s --out vdp.csv
+///   analog-proc sweep patch-files/van-der-pol.toml --set mu=0.1:5:8 --until 30s --page mu.html
 ///   analog-proc draw  patch-files/van-der-pol.toml --out vdp.svg
 ///
 /// The language of patch files and six exercises are in patch-files/README.md.
@@ -48,6 +50,8 @@ enum Command {
     Check(check::Check),
     /// Run a patch by itself and write what is recorded as CSV or Arrow
     Run(run::Run),
+    /// Run a patch once for each setting of its parameters: measures and overlay
+    Sweep(sweep::Sweep),
     /// Draw a patch as an SVG wiring diagram in analog-computer symbols
     Draw(draw::Draw),
     /// Make a patch linear about a state of it: roots, matrices, Bode diagram
@@ -173,6 +177,7 @@ pub fn main() -> ExitCode {
     shell::main(|cli: Cli| match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
+        Command::Sweep(c) => c.execute(),
         Command::Draw(c) => c.execute(),
         Command::Linearise(c) => c.execute(),
         Command::Serve(c) => c.execute(),

@@ -5,6 +5,7 @@ use super::{
 };
 use crate::{
     net::{Block, Kind},
+    order::Ordered,
     record::{RecordFault, Recorder},
 };
 use desk::{command_line::interrupt_flag, failure::Failure, note, outcome::Outcome};
@@ -141,24 +142,27 @@ impl Run {
     }
 
     /// Names and nets to record.
-    fn recorded(&self, ordered: &crate::order::Ordered) -> Result<Vec<(String, NetId)>, Failure> {
-        let netlist = &ordered.netlist;
-        if self.record.is_empty() {
-            let is_state = |b: &&Block| matches!(b.kind, Kind::Integrator(_) | Kind::Lag(_));
-            let mut blocks: Vec<&Block> = netlist.blocks.iter().filter(is_state).collect();
-            if blocks.is_empty() {
-                blocks = netlist.blocks.iter().collect();
-            }
-            let nets = blocks.iter().flat_map(|b| &b.outputs);
-            return Ok(nets.map(|id| (netlist.nets[id.index()].name.clone(), *id)).collect());
-        }
+    fn recorded(&self, ordered: &Ordered) -> Result<Vec<(String, NetId)>, Failure> {
         let twice = |(at, name): (usize, &String)| self.record[..at].contains(name);
         if let Some((_, name)) = self.record.iter().enumerate().find(|pair| twice(*pair)) {
             return Err(Failure::input(format!("--record names `{name}` twice; name it once")));
         }
-        let find = |name: &String| Ok((name.clone(), find_net(ordered, name)?));
-        self.record.iter().map(find).collect()
+        let names = if self.record.is_empty() { states(ordered) } else { self.record.clone() };
+        let find = |name: String| find_net(ordered, &name).map(|net| (name, net));
+        names.into_iter().map(find).collect()
     }
+}
+
+/// Nets of the integrators and lags, or of every block where there are none.
+pub fn states(ordered: &Ordered) -> Vec<String> {
+    let netlist = &ordered.netlist;
+    let is_state = |b: &&Block| matches!(b.kind, Kind::Integrator(_) | Kind::Lag(_));
+    let mut blocks: Vec<&Block> = netlist.blocks.iter().filter(is_state).collect();
+    if blocks.is_empty() {
+        blocks = netlist.blocks.iter().collect();
+    }
+    let nets = blocks.iter().flat_map(|b| &b.outputs);
+    nets.map(|id| netlist.nets[id.index()].name.clone()).collect()
 }
 
 fn go_on(wanted: bool) -> ControlFlow<()> {

@@ -14,21 +14,12 @@ use interface::{
     control::{Clock, Reply, RunSpec, Sweep, SweepCase, SweptRun},
     frame::{ADC_CHANNELS, RunState, Samples, Updates},
     link::{FramePort, LinkFault},
+    side_by_side::{Jobs, side_by_side},
 };
-use std::{
-    sync::{
-        atomic::{AtomicBool, AtomicUsize, Ordering},
-        mpsc::{RecvTimeoutError, sync_channel},
-    },
-    thread,
-    time::Duration,
-};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Samples that one request may ask for: half a gigabyte.
 const MOST_VALUES: u64 = 1 << 26;
-/// Between two looks whether somebody still waits.
-const LOOK: Duration = Duration::from_millis(2);
-
 /// Runs a sweep over the board as it stands, which stays as it is.
 ///
 /// # Errors
@@ -42,44 +33,24 @@ pub(super) fn run(
     if let Err(refusal) = admit(sweep) {
         return Ok(Reply::Refused(refusal));
     }
-    let processors = thread::available_parallelism().map_or(1, usize::from);
-    let (next, given_up) = (AtomicUsize::new(0), AtomicBool::new(false));
     let mut runs: Vec<Option<SweptRun>> = vec![None; sweep.cases.len()];
-    let mut refusal = None;
-    thread::scope(|scope| {
-        let (sender, receiver) = sync_channel(processors);
-        for _ in 0..processors.min(sweep.cases.len()) {
-            let (sender, next, given_up) = (sender.clone(), &next, &given_up);
-            scope.spawn(move || {
-                while let i = next.fetch_add(1, Ordering::Relaxed)
-                    && let Some(case) = sweep.cases.get(i)
-                    && !given_up.load(Ordering::Relaxed)
-                {
-                    let run = run_case(sweep, case, patch, board.clone(), given_up);
-                    if sender.send((i, run)).is_err() {
-                        return;
-                    }
-                }
-            });
+    let mut refusal: Option<(usize, String)> = None;
+    let worker = |jobs: Jobs<'_, _>| {
+        while let Some(i) = jobs.next() {
+            let case = &sweep.cases[i];
+            jobs.done(i, run_case(sweep, case, patch, board.clone(), jobs.given_up()));
         }
-        drop(sender);
-        let give_up = |fault| {
-            given_up.store(true, Ordering::Relaxed);
-            Err(fault)
-        };
-        loop {
-            match receiver.recv_timeout(LOOK) {
-                Ok((i, Ok(run))) => runs[i] = Some(run),
-                // The first in order: which came first is chance.
-                Ok((i, Err(reason))) => match &refusal {
-                    Some((first, _)) if *first < i => {}
-                    _ => refusal = Some((i, reason)),
-                },
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+    };
+    side_by_side(sweep.cases.len(), worker, |result| {
+        match result {
+            Some((i, Ok(run))) => runs[i] = Some(run),
+            // The first in order: which came first is chance.
+            Some((i, Err(reason))) if refusal.as_ref().is_none_or(|(first, _)| i < *first) => {
+                refusal = Some((i, reason));
             }
-            attend().or_else(give_up)?;
+            _ => {}
         }
+        attend()
     })?;
     Ok(match (refusal, runs.into_iter().collect()) {
         (None, Some(runs)) => Reply::Swept(runs),

@@ -12,7 +12,7 @@ use interface::{
         SweepCase, SweptRun,
     },
     frame::{RunState, Samples, Updates},
-    link::{DigitalPort, Law, LinkFault},
+    link::{DigitalPort, Law, LinkFault, direct::Fellow},
     profile::Profile,
 };
 
@@ -89,6 +89,11 @@ impl<'p> Console<'p> {
     /// Over a port whose two ends have greeted each other.
     pub fn new(port: &'p mut dyn DigitalPort) -> Console<'p> {
         Console { port, channels: Vec::new(), patch_hash: String::new() }
+    }
+
+    /// Another machine like this one for another thread, where there can be one in this process.
+    pub fn fellow(&self) -> Option<Fellow> {
+        self.port.fellow()
     }
 
     /// Uploads a patch; the machine goes to IC.

@@ -11,7 +11,7 @@ use interface::{
     Side,
     link::{
         DigitalPort, LinkFault, Patience,
-        direct::{AnalogSide, Direct},
+        direct::{Direct, MakeAnalog},
         shm::ShmDigital,
     },
     session::{Session, SessionError},
@@ -33,7 +33,7 @@ const FAREWELL: Duration = Duration::from_secs(2);
 #[derive(Clone, Copy)]
 pub struct AnalogEntry {
     /// An analog side for this process.
-    pub side: fn() -> Box<dyn AnalogSide>,
+    pub side: MakeAnalog,
 }
 
 /// Which link joins the two sides.
@@ -92,7 +92,7 @@ impl Started {
         }
         match link {
             LinkChoice::Memory => {
-                let port = Direct::new((analog.side)(), &patience);
+                let port = Direct::new(analog.side, &patience);
                 Ok(Started { port: Box::new(port), _partner: Partner::Within })
             }
             LinkChoice::Shm => {

@@ -26,6 +26,9 @@ pub enum StudyFault {
     /// The flight that everything is measured against was lost.
     #[error("the undisturbed normal flight was lost: {0}; nothing can be compared with it")]
     NominalLost(String),
+    /// A flight of the plan has no answer.
+    #[error("a flight of the study was lost")]
+    LostFlight,
     /// The vehicle's burn time.
     #[error("the vehicle's burn time of {0} s is out of range")]
     BurnTime(f64),

@@ -25,17 +25,35 @@ pub trait AnalogSide {
     fn operate(&mut self, port: &mut dyn FramePort) -> Result<(), LinkFault>;
 }
 
+/// Makes an analog side of this build.
+pub type MakeAnalog = fn() -> Box<dyn AnalogSide>;
+
 /// The digital end with the analog side behind it.
 pub struct Direct {
     analog: Box<dyn AnalogSide>,
+    make: MakeAnalog,
     protocol: Protocol,
     patience: Patience,
 }
 
 impl Direct {
-    /// A session with an analog side of this build.
-    pub fn new(analog: Box<dyn AnalogSide>, patience: &Patience) -> Direct {
-        Direct { analog, protocol: Protocol::greeted(), patience: patience.clone() }
+    /// A session with an analog side of its own.
+    pub fn new(make: MakeAnalog, patience: &Patience) -> Direct {
+        let patience = patience.clone();
+        Direct { analog: make(), make, protocol: Protocol::greeted(), patience }
+    }
+}
+
+/// A machine that is not made yet, to be carried into another thread.
+pub struct Fellow {
+    make: MakeAnalog,
+    patience: Patience,
+}
+
+impl Fellow {
+    /// Its digital end, with nothing loaded.
+    pub fn port(&self) -> Direct {
+        Direct::new(self.make, &self.patience)
     }
 }
 
@@ -52,13 +70,17 @@ impl DigitalPort for Direct {
     }
 
     fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault> {
-        let Direct { analog, protocol, patience } = self;
+        let Direct { analog, protocol, patience, .. } = self;
         let mut frames = Frames { protocol, patience, law, latency, pending: None, last: None };
         analog.operate(&mut frames)?;
         frames.last.ok_or_else(|| LinkFault::Protocol {
             frame: frames.protocol.frame(),
             detail: "the run ended without a last frame".to_owned(),
         })
+    }
+
+    fn fellow(&self) -> Option<Fellow> {
+        Some(Fellow { make: self.make, patience: self.patience.clone() })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Flies the modes one after another on one session.
+//! Flies the modes, one after another on one session or side by side within this process.
 //!
 //! The stage patch is loaded once; every flight starts from initial conditions
 //! (rep-op) and none restarts the partner. All flights have the same frames, so
@@ -17,7 +17,13 @@ use crate::{
     },
     study::fault::StudyFault,
 };
-use interface::{Tick, control::PatchBundle, frame::Samples, profile::Profile};
+use interface::{
+    Tick,
+    control::PatchBundle,
+    frame::Samples,
+    profile::Profile,
+    side_by_side::{Jobs, side_by_side},
+};
 use vehicle::{
     Vehicle,
     flight_mode::FlightScript,
@@ -83,32 +89,33 @@ pub fn run(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
     plan: &LongPeriodPlan,
-    mut progress: impl FnMut(usize),
+    progress: impl FnMut(usize),
 ) -> Result<LongPeriodResults, StudyFault> {
-    let stage = Stage::load_patch(console, vehicle, &plan.profile, plan.patch.clone())?;
-    let mut bench = Bench::new(vehicle, plan, stage)?;
-    let mut done = 0;
-    let mut fly = |script: &FlightScript, wind: FlightWind, misalignment: [f64; 2]| {
-        let flown = bench.fly(console, vehicle, script, wind, misalignment);
-        done += 1;
-        progress(done);
-        flown
-    };
-
     let case = &vehicle.data().long_period_case;
     let design = [case.misalign_pitch, case.misalign_yaw];
-    let (undisturbed, nominal_history) = fly(&FlightScript::sound(), FlightWind::Calm, [0.0, 0.0])?;
+    let sound = FlightScript::sound();
+    let mut flights: Vec<Flight<'_>> = vec![(&sound, FlightWind::Calm, [0.0, 0.0])];
+    for script in &plan.modes {
+        flights.push((script, FlightWind::DesignCase, design));
+        let envelope = plan.envelope.iter();
+        flights.extend(envelope.map(|&pitch| (script, FlightWind::DesignCase, [pitch, design[1]])));
+        if plan.reversed {
+            flights.push((script, FlightWind::Reversed, design));
+        }
+    }
+    let mut flown = fly_all(console, vehicle, plan, &flights, progress)?.into_iter();
+    let mut next = || flown.next().ok_or(StudyFault::LostFlight);
+    let (undisturbed, nominal_history) = next()?;
     let nominal = undisturbed.ended.map_err(StudyFault::NominalLost)?;
     let mut modes = Vec::with_capacity(plan.modes.len());
     for script in &plan.modes {
-        let (flown, history) = fly(script, FlightWind::DesignCase, design)?;
+        let (flown, history) = next()?;
         let mut mode = ModeResult::new(script, flown, history, &nominal);
-        for &pitch in &plan.envelope {
-            let (flown, _) = fly(script, FlightWind::DesignCase, [pitch, design[1]])?;
-            mode.envelope.push(flown);
+        for _ in &plan.envelope {
+            mode.envelope.push(next()?.0);
         }
         if plan.reversed {
-            mode.reversed = Some(fly(script, FlightWind::Reversed, design)?.0);
+            mode.reversed = Some(next()?.0);
         }
         modes.push(mode);
     }
@@ -122,6 +129,63 @@ pub fn run(
         reduced: data.gains_reduced.clone(),
         carried_kg: data.tvc.fluid_kg,
     })
+}
+
+/// Script, wind and misalignments of a flight.
+type Flight<'a> = (&'a FlightScript, FlightWind, [f64; 2]);
+/// What it came to, and its history.
+type Answer = (Flown, Vec<FlightSample>);
+
+/// Flies side by side where machines can be had within this process, or else one after another;
+/// each has the bits of a flight alone.
+fn fly_all(
+    console: &mut Console<'_>,
+    vehicle: &Vehicle,
+    plan: &LongPeriodPlan,
+    flights: &[Flight<'_>],
+    mut progress: impl FnMut(usize),
+) -> Result<Vec<Answer>, StudyFault> {
+    // Here too, so that the console knows the patch.
+    let stage = Stage::load_patch(console, vehicle, &plan.profile, plan.patch.clone())?;
+    let Some(fellow) = console.fellow() else {
+        let mut bench = Bench::new(vehicle, plan, stage)?;
+        let mut answers = Vec::with_capacity(flights.len());
+        for (script, wind, misalignment) in flights {
+            answers.push(bench.fly(console, vehicle, script, *wind, *misalignment)?);
+            progress(answers.len());
+        }
+        return Ok(answers);
+    };
+    let mut answers: Vec<Option<Answer>> = vec![None; flights.len()];
+    let worker = |jobs: Jobs<'_, Result<Answer, StudyFault>>| {
+        let mut port = fellow.port();
+        let mut console = Console::new(&mut port);
+        let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, plan.patch.clone());
+        let begun = stage.map_err(StudyFault::from).and_then(|s| Bench::new(vehicle, plan, s));
+        let mut bench = match begun {
+            Ok(bench) => bench,
+            Err(fault) => {
+                if let Some(i) = jobs.next() {
+                    jobs.done(i, Err(fault));
+                }
+                return;
+            }
+        };
+        while let Some(i) = jobs.next() {
+            let (script, wind, misalignment) = flights[i];
+            jobs.done(i, bench.fly(&mut console, vehicle, script, wind, misalignment));
+        }
+    };
+    let mut done = 0;
+    side_by_side(flights.len(), worker, |answer| {
+        if let Some((i, answer)) = answer {
+            answers[i] = Some(answer?);
+            done += 1;
+            progress(done);
+        }
+        Ok::<_, StudyFault>(())
+    })?;
+    answers.into_iter().collect::<Option<_>>().ok_or(StudyFault::LostFlight)
 }
 
 /// The loaded machine and what all flights share.

@@ -13,6 +13,7 @@ mod summary;
 mod table;
 
 pub use claims::{claims_table, claims_text};
+pub use format::significant;
 pub use page::{Numbering, Section, anchor, page, side_by_side};
 pub use provenance::provenance;
 pub use summary::Summary;
