@@ -10,7 +10,7 @@ use interface::{
     Tick,
     control::{Clock, PatchBundle, Reply, Request, RunSpec},
     frame::{RunState, Samples, Updates},
-    link::{DigitalPort, LinkFault, memory},
+    link::{DigitalFrames, DigitalPort, LinkFault, memory},
     profile::{Profile, Provenance, Sourced},
 };
 use std::thread::JoinHandle;

@@ -17,7 +17,7 @@ fn main() -> ExitCode {
         analog_proc::cli::main()
     } else {
         digital_proc::cli::main(digital_proc::linkage::launch::AnalogEntry {
-            serve: analog_proc::session::serve::serve,
+            side: || Box::new(analog_proc::session::serve::Server::default()),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! What every system test needs: a private base directory, a place for runs, and
 //! the certainty that nothing is left behind.
 
-use analog_proc::session::serve::serve;
+use analog_proc::session::serve::Server;
 use digital_proc::linkage::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
@@ -133,11 +133,14 @@ impl BenchTop {
     }
 }
 
-/// Does `work` at the console of a machine whose two sides are threads of this process.
+/// Does `work` at the console of a machine within this thread.
 pub fn with_console<T>(work: impl FnOnce(&mut Console<'_>) -> T) -> T {
-    let mut started =
-        Started::new(&LinkChoice::Memory, AnalogEntry { serve }, std::sync::Arc::default())
-            .unwrap();
+    let mut started = Started::new(
+        &LinkChoice::Memory,
+        AnalogEntry { side: || Box::<Server>::default() },
+        std::sync::Arc::default(),
+    )
+    .unwrap();
     let mut console = Console::new(started.port());
     let done = work(&mut console);
     console.bye().unwrap();

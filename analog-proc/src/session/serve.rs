@@ -14,7 +14,7 @@ use engine::{id::NetId, linear::Linear};
 use interface::{
     Tick,
     control::{LinearModel, PatchBundle, Reply, Request, RunSpec},
-    link::{AnalogPort, LinkFault},
+    link::{AnalogPort, FramePort, LinkFault, direct::AnalogSide},
     profile::Profile,
 };
 use nalgebra::DMatrix;
@@ -23,26 +23,14 @@ use nalgebra::DMatrix;
 pub fn serve(port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
     let mut server = Server::default();
     loop {
-        let reply = match port.await_request()? {
-            Request::Bye => {
-                port.reply(&Reply::Done)?;
-                return Ok(());
-            }
-            Request::Operate(spec) => match server.admit(&spec) {
-                Ok(()) => {
-                    port.reply(&Reply::Done)?;
-                    server.run(&spec, port)?;
-                    continue;
-                }
-                Err(refusal) => Reply::Refused(refusal),
-            },
-            Request::Sweep(request) => match server.loaded() {
-                Ok(loaded) => sweep::run(&request, &loaded.ordered, &loaded.board, port)?,
-                Err(refusal) => Reply::Refused(refusal),
-            },
-            request => server.answer(request).unwrap_or_else(Reply::Refused),
-        };
+        let request = port.await_request()?;
+        let is_over = matches!(request, Request::Bye);
+        let reply = server.answer(request, &mut || port.attend())?;
         port.reply(&reply)?;
+        if is_over {
+            return Ok(());
+        }
+        server.operate(port)?;
     }
 }
 
@@ -56,14 +44,44 @@ struct Loaded {
     board: Board,
 }
 
+/// The analog side of one session, whatever leads to it.
 #[derive(Default)]
-struct Server {
+pub struct Server {
     loaded: Option<Loaded>,
+    /// The period that was accepted and not yet run.
+    accepted: Option<RunSpec>,
     fault: Option<String>,
 }
 
+impl AnalogSide for Server {
+    fn answer(
+        &mut self,
+        request: Request,
+        attend: &mut dyn FnMut() -> Result<(), LinkFault>,
+    ) -> Result<Reply, LinkFault> {
+        let reply = match request {
+            Request::Sweep(request) => match self.loaded() {
+                Ok(loaded) => sweep::run(&request, &loaded.ordered, &loaded.board, attend)?,
+                Err(refusal) => Reply::Refused(refusal),
+            },
+            request => self.reply(request).unwrap_or_else(Reply::Refused),
+        };
+        Ok(reply)
+    }
+
+    fn operate(&mut self, port: &mut dyn FramePort) -> Result<(), LinkFault> {
+        let (Some(spec), Some(loaded)) = (self.accepted.take(), &mut self.loaded) else {
+            return Ok(());
+        };
+        let time_scale = loaded.ordered.netlist.integration.time_scale;
+        let fault = frame_cycle::run(&spec, time_scale, &mut loaded.board, port)?;
+        self.fault = fault.map(|f| f.to_string());
+        Ok(())
+    }
+}
+
 impl Server {
-    fn answer(&mut self, request: Request) -> Result<Reply, String> {
+    fn reply(&mut self, request: Request) -> Result<Reply, String> {
         match request {
             Request::Hello { .. } => Err("the two sides have greeted each other already".into()),
             Request::Load { bundle, params, profile } => {
@@ -123,25 +141,14 @@ impl Server {
                     .map(|l| l.board.overloads(&l.ordered))
                     .unwrap_or_default(),
             }),
-            Request::Operate(_) | Request::Sweep(_) | Request::Bye => {
-                Err("not a request to be answered here".into())
+            Request::Operate(spec) => {
+                self.admit(&spec)?;
+                self.accepted = Some(spec);
+                Ok(Reply::Done)
             }
+            Request::Bye => Ok(Reply::Done),
+            Request::Sweep(_) => Err("not a request to be answered here".into()),
         }
-    }
-
-    /// Runs one OPERATE period that was admitted.
-    fn run(&mut self, spec: &RunSpec, port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
-        let Some(loaded) = &mut self.loaded else {
-            return Ok(()); // never: `admit` asked for it
-        };
-        let fault = frame_cycle::run(
-            spec,
-            loaded.ordered.netlist.integration.time_scale,
-            &mut loaded.board,
-            port,
-        )?;
-        self.fault = fault.map(|f| f.to_string());
-        Ok(())
     }
 
     fn loaded(&mut self) -> Result<&mut Loaded, String> {

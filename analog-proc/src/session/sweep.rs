@@ -13,7 +13,7 @@ use interface::{
     Tick,
     control::{Clock, Reply, RunSpec, Sweep, SweepCase, SweptRun},
     frame::{ADC_CHANNELS, RunState, Samples, Updates},
-    link::{AnalogPort, FramePort, LinkFault},
+    link::{FramePort, LinkFault},
 };
 use std::{
     sync::{
@@ -37,7 +37,7 @@ pub(super) fn run(
     sweep: &Sweep,
     patch: &Ordered,
     board: &Board,
-    port: &mut dyn AnalogPort,
+    attend: &mut dyn FnMut() -> Result<(), LinkFault>,
 ) -> Result<Reply, LinkFault> {
     if let Err(refusal) = admit(sweep) {
         return Ok(Reply::Refused(refusal));
@@ -78,7 +78,7 @@ pub(super) fn run(
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
-            port.attend().or_else(give_up)?;
+            attend().or_else(give_up)?;
         }
     })?;
     Ok(match (refusal, runs.into_iter().collect()) {

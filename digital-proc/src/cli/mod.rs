@@ -92,7 +92,7 @@ enum Command {
 enum LinkName {
     /// Two processes joined by shared memory
     Shm,
-    /// One process, two threads; the same numbers to the last bit
+    /// One thread, no waiting; the same numbers to the last bit
     Memory,
 }
 

@@ -15,7 +15,7 @@ pub use law::FrameResult;
 pub use timing::{Timing, TransferLog};
 
 use crate::linkage::{
-    console::{Console, ConsoleFault, Law},
+    console::{Console, ConsoleFault},
     executive::Rate,
 };
 use channels::StageChannels;
@@ -24,6 +24,7 @@ use interface::{
     Tick,
     control::{Clock, PatchBundle, RunSpec},
     frame::{ModeCommand, Samples, Updates},
+    link::Law,
     processor::Kept,
     profile::Profile,
 };

@@ -12,7 +12,7 @@ use interface::{
         SweepCase, SweptRun,
     },
     frame::{RunState, Samples, Updates},
-    link::{DigitalPort, LinkFault},
+    link::{DigitalPort, Law, LinkFault},
     profile::Profile,
 };
 
@@ -32,14 +32,6 @@ pub enum ConsoleFault {
         time: Tick,
         /// The analog side's account.
         fault: String,
-    },
-    /// A frame did not arrive; a law that misses a frame computes another run.
-    #[error("samples {found} came where {expected} were due: this side fell too far behind")]
-    LostFrames {
-        /// The frame due.
-        expected: u64,
-        /// The frame that came.
-        found: u64,
     },
     /// The patch has no such channel.
     #[error("the patch has no {kind} `{name}`; {remedy}")]
@@ -68,24 +60,6 @@ pub struct Diagnosis {
     pub fault: Option<String>,
     /// Latched overloads in order of time.
     pub overloads: Vec<Overload>,
-}
-
-/// What the digital side does in each frame of a run; a closure is a law without an `after`.
-///
-/// A law that cannot go on says [`ModeCommand::End`](interface::frame::ModeCommand::End) and keeps
-/// its reason, so that the run ends in good order and the session can go on.
-pub trait Law {
-    /// Fills the empty updates n from samples n; in the last frame (state `Ended`) they go nowhere.
-    fn frame(&mut self, samples: &Samples, updates: &mut Updates);
-
-    /// Once updates n are on their way, so that keeping records delays no transfer.
-    fn after(&mut self, _samples: &Samples) {}
-}
-
-impl<F: FnMut(&Samples, &mut Updates)> Law for F {
-    fn frame(&mut self, samples: &Samples, updates: &mut Updates) {
-        self(samples, updates);
-    }
 }
 
 /// A run of a sweep, by names.
@@ -241,27 +215,12 @@ impl<'p> Console<'p> {
     /// [`ConsoleFault::RunFault`] when the analog run stops by itself, or the link's.
     pub fn run(&mut self, spec: &RunSpec, law: &mut impl Law) -> Result<Samples, ConsoleFault> {
         self.done("OPERATE", &Request::Operate(spec.clone()))?;
-        for frame in 0.. {
-            let samples = self.port.await_samples(frame)?;
-            let state = samples.run_state();
-            if state == RunState::Faulted {
-                let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
-                return Err(ConsoleFault::RunFault { time: samples.tick, fault });
-            }
-            if samples.frame != frame {
-                return Err(ConsoleFault::LostFrames { expected: frame, found: samples.frame });
-            }
-            let mut updates = Updates::new(frame, samples.tick + spec.latency);
-            law.frame(&samples, &mut updates);
-            if state != RunState::Ended {
-                self.port.send_updates(&updates)?;
-            }
-            law.after(&samples);
-            if state == RunState::Ended {
-                return Ok(samples);
-            }
+        let last = self.port.operate(spec.latency, law)?;
+        if last.run_state() == RunState::Faulted {
+            let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
+            return Err(ConsoleFault::RunFault { time: last.tick, fault });
         }
-        unreachable!("frames are counted in u64")
+        Ok(last)
     }
 
     /// Makes many runs that this side only reads, sampling the ADC channels `adc` once `every`;

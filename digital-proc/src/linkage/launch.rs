@@ -2,14 +2,18 @@
 //!
 //! The partner is this very executable in the analog role, so that it is never
 //! a stale build. A guard owns it: whatever happens, it is asked to end, then
-//! killed, and always reaped. With the memory link the same analog code runs in
-//! a thread of this process. With `--attach` somebody else's analog-proc is
+//! killed, and always reaped. With the memory link the same analog code runs
+//! within this thread. With `--attach` somebody else's analog-proc is
 //! joined and left running.
 
 use desk::command_line::expect_files;
 use interface::{
     Side,
-    link::{AnalogPort, DigitalPort, LinkFault, Patience, memory, shm::ShmDigital},
+    link::{
+        DigitalPort, LinkFault, Patience,
+        direct::{AnalogSide, Direct},
+        shm::ShmDigital,
+    },
     session::{Session, SessionError},
 };
 use rustix::process::{Pid, Signal, kill_process};
@@ -17,7 +21,6 @@ use std::{
     os::unix::process::CommandExt,
     process::{Child, Command, ExitStatus, Stdio},
     sync::{Arc, atomic::AtomicBool},
-    thread::JoinHandle,
     time::{Duration, Instant},
 };
 
@@ -29,8 +32,8 @@ const FAREWELL: Duration = Duration::from_secs(2);
 /// The analog side as the root binary hands it in: the processors do not know each other.
 #[derive(Clone, Copy)]
 pub struct AnalogEntry {
-    /// Serves one session over a port.
-    pub serve: fn(&mut dyn AnalogPort) -> Result<(), LinkFault>,
+    /// An analog side for this process.
+    pub side: fn() -> Box<dyn AnalogSide>,
 }
 
 /// Which link joins the two sides.
@@ -38,7 +41,7 @@ pub struct AnalogEntry {
 pub enum LinkChoice {
     /// Two processes joined by shared memory.
     Shm,
-    /// One process, two threads.
+    /// One thread.
     Memory,
     /// Shared memory with an analog-proc that runs already.
     Attach(String),
@@ -72,7 +75,7 @@ pub struct Started {
 #[allow(dead_code)]
 enum Partner {
     Process(Guard),
-    Thread(Option<JoinHandle<()>>),
+    Within,
     Foreign(Session),
 }
 
@@ -89,13 +92,8 @@ impl Started {
         }
         match link {
             LinkChoice::Memory => {
-                let (mut far, near) = memory::pair_with(&patience);
-                // Its error is this side's error too: a dead partner.
-                let thread = std::thread::Builder::new()
-                    .name("analog-proc".into())
-                    .spawn(move || drop((analog.serve)(&mut far)))
-                    .map_err(LaunchFault::Spawn)?;
-                Ok(Started { port: Box::new(near), _partner: Partner::Thread(Some(thread)) })
+                let port = Direct::new((analog.side)(), &patience);
+                Ok(Started { port: Box::new(port), _partner: Partner::Within })
             }
             LinkChoice::Shm => {
                 let session = Session::create(Side::Digital, None)?;
@@ -162,16 +160,6 @@ impl Drop for Guard {
         if self.wait(FAREWELL).is_none() {
             let _ = self.child.kill();
             let _ = self.child.wait();
-        }
-    }
-}
-
-impl Drop for Partner {
-    fn drop(&mut self) {
-        if let Partner::Thread(thread) = self
-            && let Some(thread) = thread.take()
-        {
-            let _ = thread.join();
         }
     }
 }

@@ -5,7 +5,7 @@
 //! Both links share these ends, so they cannot differ in behaviour.
 
 use super::{
-    AnalogPort, DigitalPort, FramePort, LinkFault,
+    AnalogPort, DigitalFrames, DigitalPort, FramePort, Law, LinkFault,
     waiting::{Limit, Patience, Watch, Watched, wait},
 };
 use crate::{
@@ -226,7 +226,7 @@ impl<W: DigitalWire> End<W> {
     }
 }
 
-impl<W: DigitalWire> DigitalPort for End<W> {
+impl<W: DigitalWire> DigitalFrames for End<W> {
     fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault> {
         let mut samples = Samples::new(frame, Tick::ZERO, RunState::Operate);
         loop {
@@ -254,9 +254,34 @@ impl<W: DigitalWire> DigitalPort for End<W> {
             .put_frame(updates, self.protocol.may_skip())
             .map_err(|fault| fault.at_frame(frame))
     }
+}
 
+impl<W: DigitalWire> DigitalPort for End<W> {
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault> {
         self.request_within(request, Limit::Silence)
+    }
+
+    fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault> {
+        for frame in 0.. {
+            let samples = self.await_samples(frame)?;
+            let state = samples.run_state();
+            if state == RunState::Faulted {
+                return Ok(samples);
+            }
+            if samples.frame != frame {
+                return Err(LinkFault::LostFrames { frame, found: samples.frame });
+            }
+            let mut updates = Updates::new(frame, samples.tick + latency);
+            law.frame(&samples, &mut updates);
+            if state != RunState::Ended {
+                self.send_updates(&updates)?;
+            }
+            law.after(&samples);
+            if state == RunState::Ended {
+                return Ok(samples);
+            }
+        }
+        unreachable!("frames are counted in u64")
     }
 }
 

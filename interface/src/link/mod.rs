@@ -3,6 +3,7 @@
 //! Every call has a deadline and notices a dead partner; none waits for ever.
 
 mod bell;
+pub mod direct;
 mod end;
 pub mod memory;
 #[cfg(feature = "shm")]
@@ -13,6 +14,7 @@ pub use end::End;
 pub use waiting::Patience;
 
 use crate::{
+    Tick,
     control::{Reply, Request},
     frame::{Samples, Updates},
 };
@@ -26,6 +28,9 @@ pub enum LinkFault {
     Deadline { side: &'static str, frame: u64, waited_s: f64 },
     #[error("{side} was stopped by a signal and does not go on (frame {frame})")]
     Stopped { side: &'static str, frame: u64 },
+    /// A law that misses a frame computes another run.
+    #[error("samples {found} came where {frame} were due: this side fell too far behind")]
+    LostFrames { frame: u64, found: u64 },
     #[error("protocol violation at frame {frame}: {detail}")]
     Protocol { frame: u64, detail: String },
     #[error("interrupted at frame {frame}")]
@@ -40,6 +45,7 @@ impl LinkFault {
         if let LinkFault::PartnerDied { frame, .. }
         | LinkFault::Deadline { frame, .. }
         | LinkFault::Stopped { frame, .. }
+        | LinkFault::LostFrames { frame, .. }
         | LinkFault::Protocol { frame, .. }
         | LinkFault::Interrupted { frame } = &mut self
         {
@@ -70,10 +76,38 @@ pub trait AnalogPort: FramePort {
     fn reply(&mut self, reply: &Reply) -> Result<(), LinkFault>;
 }
 
+/// What the digital side does in each frame of a run; a closure is a law without an `after`.
+///
+/// A law that cannot go on says [`ModeCommand::End`](crate::frame::ModeCommand::End) and keeps
+/// its reason, so that the run ends in good order and the session can go on.
+pub trait Law {
+    /// Fills the empty updates n from samples n; in the last frame (state `Ended`) they go nowhere.
+    fn frame(&mut self, samples: &Samples, updates: &mut Updates);
+
+    /// Once updates n are on their way, so that keeping records delays no transfer.
+    fn after(&mut self, _samples: &Samples) {}
+}
+
+impl<F: FnMut(&Samples, &mut Updates)> Law for F {
+    fn frame(&mut self, samples: &Samples, updates: &mut Updates) {
+        self(samples, updates);
+    }
+}
+
+/// The digital processor's end.
 pub trait DigitalPort {
+    /// Sends a request and waits for its reply.
+    fn request(&mut self, request: &Request) -> Result<Reply, LinkFault>;
+    /// Once OPERATE was accepted: runs `law` frame by frame, its updates to take effect `latency`
+    /// after their samples, and gives the samples at the end (`Ended` or `Faulted`).
+    fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault>;
+}
+
+/// A digital end that hands out single frames.
+pub trait DigitalFrames: DigitalPort {
     /// Waits for samples n. In a free-running session that overran, the samples that
     /// come may bear a later number; in lock-step never.
     fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault>;
+    /// Sends updates n.
     fn send_updates(&mut self, updates: &Updates) -> Result<(), LinkFault>;
-    fn request(&mut self, request: &Request) -> Result<Reply, LinkFault>;
 }

@@ -4,7 +4,10 @@ use interface::{
     Side, Tick,
     control::{Clock, PatchBundle, Reply, Request, RunSpec},
     frame::{Edge, ModeCommand, RunState, Samples, Updates},
-    link::{AnalogPort, DigitalPort, LinkFault, Patience, memory, shm::ShmAnalog, shm::ShmDigital},
+    link::{
+        AnalogPort, DigitalFrames, DigitalPort, LinkFault, Patience, memory, shm::ShmAnalog,
+        shm::ShmDigital,
+    },
     profile::Profile,
     session::Session,
 };
@@ -29,7 +32,7 @@ pub fn patience() -> Patience {
 /// Runs one side in this thread and the other in a second one, over both links.
 fn over_both_links(
     analog: impl Fn(&mut dyn AnalogPort) + Send + Sync,
-    digital: impl Fn(&mut dyn DigitalPort) + Send + Sync,
+    digital: impl Fn(&mut dyn DigitalFrames) + Send + Sync,
 ) {
     let (mut a, mut d) = memory::pair_with(&patience());
     std::thread::scope(|scope| {
@@ -95,7 +98,7 @@ pub fn updates(samples: &Samples) -> Updates {
     updates
 }
 
-pub fn load(port: &mut (impl DigitalPort + ?Sized)) -> Result<(), LinkFault> {
+pub fn load(port: &mut (impl DigitalFrames + ?Sized)) -> Result<(), LinkFault> {
     let bundle =
         PatchBundle { root: "a.toml".into(), files: vec![("a.toml".into(), "[blocks]".into())] };
     let hash = bundle.hash();
@@ -106,7 +109,7 @@ pub fn load(port: &mut (impl DigitalPort + ?Sized)) -> Result<(), LinkFault> {
 }
 
 /// Loads a patch and starts a run.
-fn operate(port: &mut dyn DigitalPort, clock: Clock) {
+fn operate(port: &mut dyn DigitalFrames, clock: Clock) {
     load(port).unwrap();
     port.request(&Request::Operate(spec(clock))).unwrap();
 }

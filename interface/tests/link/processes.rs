@@ -8,7 +8,10 @@ use interface::{
     Side,
     control::{Clock, Request},
     frame::RunState,
-    link::{AnalogPort, DigitalPort, LinkFault, Patience, shm::ShmAnalog, shm::ShmDigital},
+    link::{
+        AnalogPort, DigitalFrames, DigitalPort, LinkFault, Patience, shm::ShmAnalog,
+        shm::ShmDigital,
+    },
     session::{Session, SessionError},
 };
 use std::{
@@ -143,7 +146,7 @@ fn launcher() {
     let _ = digital_life(&mut port, u64::MAX);
 }
 
-fn digital_life(port: &mut impl DigitalPort, frames: u64) -> Result<(), LinkFault> {
+fn digital_life(port: &mut impl DigitalFrames, frames: u64) -> Result<(), LinkFault> {
     load(port)?;
     port.request(&Request::Operate(spec(Clock::LockStep)))?;
     for n in 0..frames {

@@ -12,6 +12,7 @@ use super::{
         theory::{C64, Refusal, damping_ratio, equivalent_root},
     },
     LoopCase, LoopStudy,
+    poles::Poles,
     remark::{Remark, STEPS_HIGH, WORST_FIT},
     swing::Swing,
 };
@@ -45,6 +46,8 @@ pub struct LoopRow {
     /// What the modes of the record's first two thirds leave of all of it, rms over rms; none
     /// where no mode was sought.
     pub fit: Option<f64>,
+    /// What the loop does by its exact poles, where it has them.
+    pub poles: Option<Poles>,
     /// Why a value is missing, and what else happened.
     pub remarks: Vec<Remark>,
 }
@@ -127,8 +130,16 @@ impl LoopStudy {
                 .then(|| peak(&judged[judged.len() - tenth..]) / before)
                 .filter(|ratio| ratio.is_finite()),
             fit,
+            poles: None,
             remarks,
         })
+    }
+}
+
+impl LoopRow {
+    /// The exact root that belongs to the measured one.
+    pub fn exact(&self) -> Option<C64> {
+        self.poles.as_ref()?.oscillation(self.root)
     }
 }
 

@@ -14,6 +14,7 @@ pub mod feedback_loop;
 pub mod hold;
 pub mod noise;
 pub mod period_map;
+pub mod sampled_loop;
 
 use nalgebra::{Complex, ComplexField};
 
