@@ -37,10 +37,10 @@ use crate::{
 use iceoryx2::{node::Node, port::update_connections::UpdateConnections, prelude::ipc};
 use std::time::{Duration, Instant};
 
-/// The analog processor's end.
-pub type ShmAnalog = End<Ports<Samples, Updates, Server>>;
+type ShmEnd<F, G, C> = End<Ports<F, G, C>>;
+pub type ShmAnalog = ShmEnd<Samples, Updates, Server>;
 /// The digital processor's end.
-pub type ShmDigital = End<Ports<Updates, Samples, Client>>;
+pub type ShmDigital = ShmEnd<Updates, Samples, Client>;
 
 impl ShmAnalog {
     /// Opens the analog end and waits until a digital side has come and greeted.
@@ -77,8 +77,8 @@ fn open<F: Frame, G: Frame, C: Control + 'static>(
     child: Option<u32>,
     patience: &Patience,
     control: fn(&Node<ipc::Service>) -> Result<C, LinkFault>,
-    greet: fn(&mut End<Ports<F, G, C>>) -> Result<(), LinkFault>,
-) -> Result<End<Ports<F, G, C>>, LinkFault> {
+    greet: fn(&mut ShmEnd<F, G, C>) -> Result<(), LinkFault>,
+) -> Result<ShmEnd<F, G, C>, LinkFault> {
     supervised(Peer::new(session, child)?, patience, move |mut peer, patience| {
         let (node, (frames_out, frames_in, control)) =
             peer.build(patience, |node| Ok((publisher(node)?, subscriber(node)?, control(node)?)))?;
