@@ -313,11 +313,4 @@ mod tests {
             assert!(matches!(told, Some(Reply::Refused(text)) if text.contains(word)));
         }
     }
-
-    #[test]
-    fn a_stranger_that_does_not_greet_is_refused() {
-        let (mut analog, mut digital) = strangers();
-        digital.wire.put_request(&Request::StaticCheck).unwrap();
-        assert!(matches!(analog.greet(), Err(LinkFault::Protocol { .. })));
-    }
 }

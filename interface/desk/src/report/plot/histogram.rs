@@ -62,34 +62,18 @@ pub fn histogram(spec: &Histogram) -> Markup {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
-
-    fn sample(values: Vec<f64>, bins: usize, log: bool) -> Histogram {
-        let x = Axis::new("Latency", "µs");
-        Histogram {
-            title: "h".to_owned(),
-            x: if log { x.log() } else { x },
-            values,
-            bins,
-            log_counts: log,
-            size: Size::HALF,
-        }
-    }
 
     #[test]
     fn each_filled_bin_has_a_bar() {
-        let svg = histogram(&sample(vec![0.0, 0.1, 5.0, 10.0], 10, false)).into_string();
-        assert_eq!(svg.matches("class=\"b0\"").count(), 3);
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(64))]
-        #[test]
-        fn any_sample_draws(values in proptest::collection::vec(any::<f64>(), 0..300), bins: usize, log: bool) {
-            let svg = histogram(&sample(values, bins, log)).into_string();
-            prop_assert!(svg.ends_with("</svg>") && !svg.contains("NaN"));
-        }
+        let svg = histogram(&Histogram {
+            title: "h".to_owned(),
+            x: Axis::new("Latency", "µs"),
+            values: vec![0.0, 0.1, 5.0, 10.0],
+            bins: 10,
+            log_counts: false,
+            size: Size::HALF,
+        });
+        assert_eq!(svg.into_string().matches("class=\"b0\"").count(), 3);
     }
 }
