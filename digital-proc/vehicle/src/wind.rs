@@ -200,12 +200,4 @@ mod tests {
             last = now;
         }
     }
-
-    #[test]
-    fn a_tailwind_mirrors_the_headwind() {
-        let vehicle = Vehicle::shipped().unwrap();
-        let tail = Wind::synthetic(&vehicle, WindDirection::Tail).unwrap();
-        assert_eq!(tail.at(9_000.0).along_mps, -head().at(9_000.0).along_mps);
-        assert_eq!(Wind::design_case(&vehicle).unwrap(), head());
-    }
 }
