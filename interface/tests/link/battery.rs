@@ -321,21 +321,6 @@ fn a_silent_partner_meets_a_deadline() {
     });
 }
 
-#[test]
-fn an_interrupt_ends_every_wait() {
-    let patience = patience();
-    let (_analog, mut digital) = memory::pair_with(&patience);
-    let flag = patience.interrupted.clone();
-    std::thread::spawn(move || {
-        std::thread::sleep(Duration::from_millis(30));
-        flag.store(true, std::sync::atomic::Ordering::Relaxed);
-    });
-    let start = Instant::now();
-    let fault = digital.request(&Request::StaticCheck).unwrap_err();
-    assert!(matches!(fault, LinkFault::Interrupted { .. }));
-    assert!(start.elapsed() < Duration::from_secs(1));
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
     /// Any bits pass unchanged, NaN payloads and all.
