@@ -84,23 +84,6 @@ fn digital_function_follows_its_ordinates() {
 }
 
 #[test]
-fn track_store_keeps_what_it_had() {
-    let mut bench = Bench::new(
-        r#"
-        t = { kind = "time" }
-        late = { kind = "comparator", in = ["t"], threshold = 1.0 }
-        track = { kind = "not", in = ["late"] }
-        y = { kind = "track-store", in = ["2 * t"], track = "track", ic = 9.0 }
-    "#,
-    );
-    bench.run(0.75);
-    assert_eq!(bench.net("y"), 1.5);
-    bench.run(2.0);
-    // The instant is located to two units in the last place of 1.
-    close(bench.net("y"), 2.0, 4.0 * f64::EPSILON, "stored");
-}
-
-#[test]
 fn switch_and_flip_flop_act_at_their_instants() {
     let mut bench = Bench::new(
         r#"
@@ -303,18 +286,4 @@ fn dac_slopes_and_settling_are_integrated_exactly() {
     // ∫(2 + 3s − 2e^{−s/0.1}) ds over one second.
     let expected = 2.0 + 1.5 - 0.2 * (1.0 - (-10.0_f64).exp());
     close(bench.run(2.0).net("y"), expected, 1e-9, "integral");
-}
-
-#[test]
-fn limited_integrator_rests_on_its_limit() {
-    // dy/dt = cos t between ±0.5: leaves the stop where the input turns, t = π/2.
-    let mut bench = Bench::new(
-        r#"
-        c = { kind = "integrator", in = ["-1 * s"], ic = 1.0 }
-        s = { kind = "integrator", in = ["c"] }
-        y = { kind = "integrator", in = ["c"], limits = [-0.5, 0.5] }
-    "#,
-    );
-    assert_eq!(bench.run(1.0).net("y"), 0.5);
-    assert!((bench.run(2.0).net("y") - (0.5 + 2.0_f64.sin() - 1.0)).abs() < 1e-9);
 }
