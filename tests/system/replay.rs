@@ -97,7 +97,7 @@ fn an_overloaded_flight_replays_to_the_last_bit() {
 #[test]
 fn a_flight_of_many_settings_replays_from_its_record_alone() {
     let bench = BenchTop::new();
-    let settings = "--mode sequencer-stuck --failure-at 18000000001ns --profile ad4 --alpha held \
+    let settings = "--mode roll-lost --failure-at 20000000001ns --profile ad4 --alpha held \
         --wind ensemble --seed 18446744073709551615 --misalign-pitch 0.30000000000000004 \
         --misalign-yaw -0.3333333333333333 --frame 50ms --fast 2 --latency 1234567ns \
         --skew 10001ns --until 22s";

@@ -200,4 +200,11 @@ mod tests {
             last = now;
         }
     }
+
+    #[test]
+    fn a_tailwind_mirrors_the_headwind() {
+        let vehicle = Vehicle::shipped().unwrap();
+        let tail = Wind::synthetic(&vehicle, WindDirection::Tail).unwrap();
+        assert_eq!(tail.at(9_000.0).along_mps, -head().at(9_000.0).along_mps);
+    }
 }

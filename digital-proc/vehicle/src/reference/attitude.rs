@@ -239,3 +239,32 @@ pub fn derivative(
         filter_rad: filter_rate,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{airframe::airframe_at, flight_mode::ControlSettings};
+
+    /// What no flight of the shipped vehicle need reach; the rest is held against the patch.
+    #[test]
+    fn actuators_keep_their_limits() {
+        let vehicle = Vehicle::shipped().unwrap();
+        let inputs = AttitudeInputs {
+            airframe: airframe_at(&vehicle, 32.0, 9_800.0, 670.0).unwrap(),
+            settings: ControlSettings::sound(&vehicle, 32.0),
+            pitch_command_rad: 1.0,
+            incidence_offset_rad: 0.0,
+            yaw_incidence_offset_rad: 0.0,
+            misalignment: [0.0, 0.0],
+        };
+        let mut state = AttitudeState::from_array([0.0; STATE_LEN]);
+        let force_n =
+            derivative(&vehicle, &state, &inputs).tvc_n[0] * vehicle.data().tvc.time_constant_s;
+        assert!((force_n - 15_000.0).abs() < 1e-9);
+        // A full filter asks for more than the travel; the servo slews.
+        state.filter_rad[0] = 1.0;
+        assert_eq!(derivative(&vehicle, &state, &inputs).tip_rad[0], f64::to_radians(100.0));
+        state.tip_rad[0] = f64::to_radians(10.0);
+        assert!(derivative(&vehicle, &state, &inputs).tip_rad[0].abs() < 1e-12);
+    }
+}
