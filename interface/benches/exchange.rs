@@ -19,7 +19,7 @@ use interface::{
     Side,
     control::{Clock, PatchBundle, Reply, Request, RunSpec},
     frame::{ModeCommand, RunState, Samples, Updates},
-    link::{AnalogPort, DigitalPort, Patience, shm::ShmAnalog, shm::ShmDigital},
+    link::{AnalogPort, DigitalPort, FramePort, Patience, shm::ShmAnalog, shm::ShmDigital},
     profile::Profile,
     session::Session,
 };

@@ -68,6 +68,58 @@ pub enum Clock {
     Replay,
 }
 
+/// Runs of the loaded patch that the digital side only reads (iterative operation): each starts
+/// from the machine as it stands with settings of its own, so that none knows of another.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sweep {
+    /// Sampling interval.
+    pub every: Tick,
+    /// ADC channels to be recorded.
+    pub adc: Vec<u32>,
+    /// What is run.
+    pub cases: Vec<SweepCase>,
+}
+
+/// One run of a [`Sweep`], from its initial conditions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepCase {
+    /// Initial conditions by integrator name.
+    pub ics: Vec<(String, f64)>,
+    /// DACs, DCUs and control lines.
+    pub preset: Updates,
+    /// Problem time at which it ends.
+    pub stop: Tick,
+}
+
+/// What a run of a [`Sweep`] came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweptRun {
+    /// Samples at 0, `every`, … and the stop, the asked channels of one instant after another; of
+    /// a faulted run those before the fault.
+    pub samples: Vec<f64>,
+    /// Whether a converter or coefficient unit was driven beyond its range.
+    pub saturated: bool,
+    /// Latched overloads in order of time.
+    pub overloads: Vec<Overload>,
+    /// When and why it stopped by itself, if it did.
+    pub fault: Option<(Tick, String)>,
+}
+
+/// The loaded patch made linear about where it stands: ẋ = A x + B u, y = C x + D u, per second.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinearModel {
+    /// The block of each state.
+    pub states: Vec<String>,
+    /// States by states, a row a state, row after row.
+    pub a: Vec<f64>,
+    /// States by inputs.
+    pub b: Vec<f64>,
+    /// Outputs by states.
+    pub c: Vec<f64>,
+    /// Outputs by inputs.
+    pub d: Vec<f64>,
+}
+
 /// Role of a converter, coefficient or line in the loaded patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ChannelKind {
@@ -133,6 +185,16 @@ pub enum Request {
     StaticCheck,
     /// Starts a run; frames follow until `Ended` or `Faulted`.
     Operate(RunSpec),
+    /// Many runs without a frame crossing; afterwards the machine stands as before.
+    Sweep(Sweep),
+    /// The linear model about the present state, by names of nets; an input stands for whatever
+    /// drives its net.
+    Linearise {
+        /// Inputs u.
+        inputs: Vec<String>,
+        /// Outputs y.
+        outputs: Vec<String>,
+    },
     /// Text of the fault that ended the last run, and latched overloads.
     Diagnose,
     /// Ends the session.
@@ -188,6 +250,10 @@ pub enum Reply {
     Values(Vec<f64>),
     /// Static check result.
     StaticCheck(Vec<StaticCheckLine>),
+    /// The runs of a sweep, in the order of its cases.
+    Swept(Vec<SweptRun>),
+    /// The linear model.
+    Linear(LinearModel),
     /// What ended the last run, and overloads.
     Diagnosis {
         /// Fault text, if the last run faulted.

@@ -179,6 +179,11 @@ impl Samples {
         }
     }
 
+    /// Whether a converter or coefficient unit was driven beyond its range.
+    pub fn saturated(&self) -> bool {
+        self.adc_saturated | self.dac_saturated != 0 || self.dcu_saturated != [0; 2]
+    }
+
     /// The told transfers in order of time.
     pub fn transfers(&self) -> &[Transfer] {
         let count = usize::try_from(self.transfer_count).unwrap_or(usize::MAX);

@@ -82,6 +82,8 @@ enum Pending {
     Set,
     Read(usize),
     StaticCheck,
+    Sweep(usize),
+    Linearise,
     Operate(Clock),
     Diagnose,
     Bye,
@@ -178,6 +180,8 @@ impl Protocol {
             Request::Read(nets) => Pending::Read(nets.len()),
             Request::StaticCheck => Pending::StaticCheck,
             Request::Operate(spec) => Pending::Operate(spec.clock),
+            Request::Sweep(sweep) => Pending::Sweep(sweep.cases.len()),
+            Request::Linearise { .. } => Pending::Linearise,
             Request::Diagnose => Pending::Diagnose,
             Request::Bye => Pending::Bye,
         });
@@ -213,8 +217,10 @@ impl Protocol {
             }
             (Pending::Set, Reply::Done)
             | (Pending::StaticCheck, Reply::StaticCheck(_))
+            | (Pending::Linearise, Reply::Linear(_))
             | (Pending::Diagnose, Reply::Diagnosis { .. }) => Phase::Idle,
             (Pending::Read(count), Reply::Values(values)) if values.len() == *count => Phase::Idle,
+            (Pending::Sweep(count), Reply::Swept(runs)) if runs.len() == *count => Phase::Idle,
             (Pending::Operate(clock), Reply::Done) => {
                 if self.mode == Mode::PotSet {
                     return Err(ProtocolError::OutOfOrder {
@@ -304,6 +310,8 @@ impl Pending {
             Pending::Set => "SetParams, SetIcs or Preset",
             Pending::Read(_) => "Read",
             Pending::StaticCheck => "StaticCheck",
+            Pending::Sweep(_) => "Sweep",
+            Pending::Linearise => "Linearise",
             Pending::Operate(_) => "Operate",
             Pending::Diagnose => "Diagnose",
             Pending::Bye => "Bye",

@@ -122,6 +122,8 @@ fn every_command_has_one_form() {
         ("digital failures", 0, "/tables/modes/0/mode"),
         ("analog check SOUND", 0, "/results/blocks /tables/patch/0/sha_256 /tables/static_check/0"),
         ("analog run SOUND --until 1s --out CSV", 0, "/results/steps /tables/files/0/file"),
+        ("analog linearise SOUND", 0, "/tables/roots/0/real_part_1_s /tables/a/0/row"),
+        ("analog linearise SOUND --output nobody", 2, ""),
         ("analog draw SOUND --out SVG", 0, "/results/blocks /tables/files/0/file"),
         ("digital sampling circle --out RUNS", 0, "/run /claims/0/verdict"),
         ("digital sampling noise --frames 1001 --out RUNS", 0, "/run"),

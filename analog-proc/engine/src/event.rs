@@ -26,7 +26,7 @@ const SPARE_PASSES: usize = 64;
 const MOST_EDGES: usize = 65_536;
 
 /// What a settling reports.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Happenings {
     pub edges: Vec<Edge>,
     pub overloads: Vec<LatchedOverload>,

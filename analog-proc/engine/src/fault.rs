@@ -92,6 +92,26 @@ pub enum RunFault {
         /// The block.
         block: String,
     },
+    /// A transport delay takes part in what is to be made linear.
+    #[error(
+        "`{block}` is a transport delay, which has no finite state: the patch has no linear model; \
+         replace it by lags, or name inputs and outputs that it does not reach"
+    )]
+    Delayed {
+        /// The block.
+        block: String,
+    },
+    /// What is to be made linear has no derivative where it stands.
+    #[error(
+        "`{block}` has no slope at t = {t_s} s: a root or a vector at zero is behind it; \
+         choose another instant or other initial conditions"
+    )]
+    NoSlope {
+        /// The block.
+        block: String,
+        /// Problem time, s.
+        t_s: f64,
+    },
     /// Whoever attended the run ended it.
     #[error("stopped at t = {t_s} s")]
     Halted {

@@ -13,6 +13,7 @@ mod integrate;
 pub mod integration;
 #[allow(missing_docs)]
 pub mod kernel;
+pub mod linear;
 pub mod machine;
 pub mod mode;
 #[allow(missing_docs)]

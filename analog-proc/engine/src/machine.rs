@@ -49,6 +49,8 @@ pub struct Machine {
     pub settle: Vec<Settle>,
     /// What the integration methods run.
     pub kernel: Kernel,
+    /// Terms of the derivative of each state, as patched.
+    pub rates: Vec<(u32, Vec<Term>)>,
     pub terms: Vec<Term>,
     pub ics: Vec<f64>,
     /// Scale of each state in the error norm, where its block states one (`max`).

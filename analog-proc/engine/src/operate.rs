@@ -29,8 +29,7 @@ pub(crate) use recorder::{Cut, Recorder};
 use crate::element::dac::Hold;
 use crate::event::Happenings;
 use crate::fault::RunFault;
-use crate::integrate::jacobian::jacobian;
-use crate::integrate::{Scheme, Step, System};
+use crate::integrate::{Scheme, Step};
 use crate::integration::{Integration, OverloadPolicy};
 use crate::machine::{Frozen, Machine};
 use crate::overload::LatchedOverload;
@@ -39,12 +38,11 @@ use crate::signal::{Doubted, Rated};
 use crate::statistics::Statistics;
 use guard::Switched;
 use instants::resolution_s;
-use nalgebra::DMatrix;
 use paces::Paces;
 use watch::Node;
 
 /// The running state.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Engine {
     pub machine: Machine,
     pub frozen: Frozen,
@@ -295,23 +293,6 @@ impl Engine {
             }
         }
         Ok(())
-    }
-
-    /// Derivatives of the rates by the states as they are, per second, regions frozen.
-    pub fn jacobian(&mut self) -> DMatrix<f64> {
-        let n = self.step.y0.len();
-        let mut matrix = DMatrix::zeros(n, n);
-        let (mut origin, mut moved) = (vec![0.0; n], vec![0.0; n]);
-        let system = System {
-            machine: &self.machine,
-            frozen: &self.frozen,
-            atol: &self.atol,
-            rtol: self.integration.rtol,
-        };
-        let room = [&mut origin[..], &mut moved[..]];
-        let (t_s, y0, nets) = (self.t_s, &self.step.y0, &mut self.probe);
-        jacobian(system, t_s, y0, nets, room, &mut matrix);
-        matrix
     }
 
     /// What is to be said of the run so far.

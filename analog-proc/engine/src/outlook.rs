@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::integration::Method;
+use crate::{integration::Method, linear::eigenvalues};
 
 /// Ratio of the slowest to the fastest time constant from which on a patch counts as stiff.
 const STIFF: f64 = 1e4;
@@ -46,10 +46,7 @@ pub enum Warning {
 /// Warnings for a method of step `step_s` (of the fixed-step methods) on a patch with this
 /// Jacobian, per second.
 pub fn warnings(jacobian: &DMatrix<f64>, method: Method, step_s: f64) -> Vec<Warning> {
-    if jacobian.is_empty() || jacobian.iter().any(|x| !x.is_finite()) {
-        return Vec::new();
-    }
-    let rates = jacobian.complex_eigenvalues();
+    let rates = eigenvalues(jacobian);
     let decaying = || rates.iter().filter(|z| z.re < 0.0);
     let size = |z: &nalgebra::Complex<f64>| libm::hypot(z.re, z.im);
     let fastest = decaying().map(size).fold(0.0, f64::max);

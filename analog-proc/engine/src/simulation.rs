@@ -35,8 +35,8 @@ pub struct Advance {
     pub stopped_by: Option<LatchedOverload>,
 }
 
-/// A machine with its state.
-#[derive(Debug)]
+/// A machine with its state; a clone goes on by itself.
+#[derive(Clone, Debug)]
 pub struct Simulation {
     engine: Engine,
     mode: Mode,
@@ -298,9 +298,9 @@ impl Simulation {
     }
 
     /// What the patch's settings make of a run from the present state.
-    pub fn outlook(&mut self) -> Vec<outlook::Warning> {
+    pub fn outlook(&self) -> Vec<outlook::Warning> {
         let Integration { method, step_s, .. } = self.engine.integration;
-        outlook::warnings(&self.engine.jacobian(), method, step_s)
+        outlook::warnings(&self.rates_by_states(), method, step_s)
     }
 
     /// What the reader of the results should know, since the last reset.
@@ -311,6 +311,10 @@ impl Simulation {
     /// Counts since the last reset.
     pub fn statistics(&self) -> Statistics {
         self.engine.pulse().statistics
+    }
+
+    pub(crate) fn engine(&self) -> &Engine {
+        &self.engine
     }
 
     /// The program.

@@ -79,6 +79,7 @@ fn lower(ordered: &Ordered) -> Machine {
             block_of_state,
             settle: Vec::new(),
             kernel: Kernel::default(),
+            rates: Vec::new(),
             terms: Vec::new(),
             ics: vec![0.0; states as usize],
             scales,
@@ -164,5 +165,6 @@ fn lower(ordered: &Ordered) -> Machine {
     }
     m.smooth = m.halvings.iter().all(|n| *n == 0);
     m.kernel = fold(&fast, &m.terms, &rates, m.slots);
+    m.rates = rates;
     m
 }

@@ -3,21 +3,27 @@
 mod check;
 mod draw;
 mod estimate;
+mod linearise;
 mod progress;
 mod run;
 mod serve;
 
+use crate::order::Ordered;
 use clap::{Args, Parser, Subcommand};
 use desk::{
     failure::Failure,
+    faults::suggestion,
     outcome::Outcome,
     report::{Column, Table},
+    run_dir::{PatchIdentity, RunRecord, UtcSecond},
     shell::{self, Manual},
 };
+use engine::id::NetId;
 use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
     process::ExitCode,
+    time::SystemTime,
 };
 
 /// The analog processor: a parallel array of continuously integrated blocks, wired by a patch file.
@@ -44,6 +50,8 @@ enum Command {
     Run(run::Run),
     /// Draw a patch as an SVG wiring diagram in analog-computer symbols
     Draw(draw::Draw),
+    /// Make a patch linear about a state of it: roots, matrices, Bode diagram
+    Linearise(linearise::Linearise),
     /// Serve a session: the digital side joins it with `digital-proc --attach NAME`
     Serve(serve::Serve),
     #[command(flatten)]
@@ -72,6 +80,43 @@ fn parameter(text: &str) -> Result<(String, f64), String> {
         Ok(v) if v.is_finite() => Ok((name.trim().to_owned(), v)),
         _ => Err(format!("`{value}` is not a finite number")),
     }
+}
+
+/// The net of that name.
+fn find_net(ordered: &Ordered, name: &str) -> Result<NetId, Failure> {
+    let nets = &ordered.netlist.nets;
+    let place = nets.iter().position(|net| net.name == name);
+    place.map(|i| NetId(i as u32)).ok_or_else(|| {
+        let help = suggestion(name, nets.iter().map(|net| net.name.as_str()));
+        Failure::input(format!("the patch has no net `{name}`; {help}"))
+    })
+}
+
+/// Refuses a page that is no file of its own.
+fn expect_page(page: &Path, patch: &Path) -> Result<(), Failure> {
+    if page.as_os_str() == "-" {
+        return Err(Failure::input("--page takes the name of a file, ending in .html"));
+    }
+    expect_output(page, patch, &["html"])
+}
+
+/// Writes the outcome's page and names its file.
+fn write_page(
+    outcome: &mut Outcome,
+    command: &str,
+    page: &Path,
+    PatchArgs { patch, profile, params, .. }: &PatchArgs,
+    hash: String,
+) -> Result<(), Failure> {
+    let mut record =
+        RunRecord::begin(command, UtcSecond::from_system(SystemTime::now()), profile, "none");
+    record.patch = Some(PatchIdentity { name: patch.display().to_string(), sha256: hash });
+    record.parameters =
+        params.iter().map(|(name, value)| (name.clone(), (*value).into())).collect();
+    std::fs::write(page, outcome.page(&record))
+        .map_err(|e| Failure::output(format!("cannot write {}: {e}", page.display())))?;
+    add_file(outcome, page);
+    Ok(())
 }
 
 /// Names the file that a command wrote; `-` is none.
@@ -129,6 +174,7 @@ pub fn main() -> ExitCode {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
         Command::Draw(c) => c.execute(),
+        Command::Linearise(c) => c.execute(),
         Command::Serve(c) => c.execute(),
         Command::Manual(c) => c.execute::<Cli>(),
     })

@@ -1,6 +1,8 @@
 //! `analog-proc run`: a patch by itself, recorded to a file.
 
-use super::{PatchArgs, add_file, check::Compiled, estimate, expect_output, progress::Progress};
+use super::{
+    PatchArgs, add_file, check::Compiled, estimate, expect_output, find_net, progress::Progress,
+};
 use crate::{
     net::{Block, Kind},
     record::{RecordFault, Recorder},
@@ -154,18 +156,7 @@ impl Run {
         if let Some((_, name)) = self.record.iter().enumerate().find(|pair| twice(*pair)) {
             return Err(Failure::input(format!("--record names `{name}` twice; name it once")));
         }
-        let find = |name: &String| {
-            netlist
-                .nets
-                .iter()
-                .position(|n| n.name == *name)
-                .map(|i| (name.clone(), NetId(i as u32)))
-                .ok_or_else(|| {
-                    let names = netlist.nets.iter().map(|n| n.name.as_str());
-                    let help = desk::faults::suggestion(name, names);
-                    Failure::input(format!("--record: the patch has no net `{name}`; {help}"))
-                })
-        };
+        let find = |name: &String| Ok((name.clone(), find_net(ordered, name)?));
         self.record.iter().map(find).collect()
     }
 }

@@ -16,7 +16,7 @@
 //! quadrature: exact for a signal of fifth degree in the aperture. What precedes the start of the
 //! run, or the end of the scan before, counts as standing still.
 
-use crate::session::{channels::Channels, free_run::FreeRun};
+use crate::session::{board::Board, channels::Channels, free_run::FreeRun};
 use engine::{
     fault::RunFault,
     mode::Mode,
@@ -26,7 +26,7 @@ use interface::{
     Tick,
     control::{Clock, RunSpec},
     frame::{ModeCommand, RunState, Samples, Updates},
-    link::{AnalogPort, LinkFault},
+    link::{FramePort, LinkFault},
 };
 use std::{collections::VecDeque, ops::ControlFlow};
 
@@ -35,9 +35,8 @@ use std::{collections::VecDeque, ops::ControlFlow};
 pub fn run(
     spec: &RunSpec,
     time_scale: f64,
-    simulation: &mut Simulation,
-    channels: &mut Channels,
-    port: &mut dyn AnalogPort,
+    Board { simulation, channels }: &mut Board,
+    port: &mut dyn FramePort,
 ) -> Result<Option<RunFault>, LinkFault> {
     let origin = simulation.now();
     channels.set_all(simulation);
@@ -159,7 +158,7 @@ struct Due {
 struct Cycle<'a> {
     simulation: &'a mut Simulation,
     channels: &'a mut Channels,
-    port: &'a mut dyn AnalogPort,
+    port: &'a mut dyn FramePort,
     /// Problem time of the array when this period started.
     origin: Tick,
     /// Run time reached, counted from the start of this period, HOLD included.

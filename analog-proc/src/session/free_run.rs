@@ -14,7 +14,7 @@
 use interface::{
     Tick,
     frame::{FRAMES_AHEAD, Updates},
-    link::{AnalogPort, LinkFault},
+    link::{FramePort, LinkFault},
     processor::Kept,
 };
 use rustix::{
@@ -74,7 +74,7 @@ impl FreeRun {
     /// beyond it when too many are out.
     pub fn next_updates(
         &mut self,
-        port: &mut dyn AnalogPort,
+        port: &mut dyn FramePort,
         until: Tick,
     ) -> Result<Option<(Tick, Updates)>, LinkFault> {
         while self.unanswered < self.published {
@@ -107,7 +107,7 @@ impl FreeRun {
     /// Waits until the clock reaches `instant`; gives updates that arrive meanwhile.
     pub fn await_instant(
         &mut self,
-        port: &mut dyn AnalogPort,
+        port: &mut dyn FramePort,
         instant: Tick,
     ) -> Result<Option<Updates>, LinkFault> {
         let deadline_ns = self.deadline_ns(instant);

@@ -1,7 +1,9 @@
 //! The analog side of a session: requests, frames, converters.
 
-pub mod channels;
-pub mod frame_cycle;
+mod board;
+mod channels;
+mod frame_cycle;
 mod free_run;
 pub mod serve;
 pub mod static_check;
+mod sweep;

@@ -6,21 +6,18 @@
 use crate::{
     order::Ordered,
     patch,
-    session::{channels::Channels, frame_cycle, static_check::static_check},
+    session::{board::Board, channels::Channels, frame_cycle, static_check::static_check, sweep},
     tolerance,
 };
-use engine::{
-    id::{BlockId, NetId},
-    mode::Mode,
-    simulation::Simulation,
-};
+use desk::faults::suggestion;
+use engine::{id::NetId, linear::Linear};
 use interface::{
     Tick,
-    control::{Overload, PatchBundle, Reply, Request, RunSpec},
-    frame::Updates,
+    control::{LinearModel, PatchBundle, Reply, Request, RunSpec},
     link::{AnalogPort, LinkFault},
     profile::Profile,
 };
+use nalgebra::DMatrix;
 
 /// Serves one session until the digital side says goodbye or is gone.
 pub fn serve(port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
@@ -39,6 +36,10 @@ pub fn serve(port: &mut dyn AnalogPort) -> Result<(), LinkFault> {
                 }
                 Err(refusal) => Reply::Refused(refusal),
             },
+            Request::Sweep(request) => match server.loaded() {
+                Ok(loaded) => sweep::run(&request, &loaded.ordered, &loaded.board, port)?,
+                Err(refusal) => Reply::Refused(refusal),
+            },
             request => server.answer(request).unwrap_or_else(Reply::Refused),
         };
         port.reply(&reply)?;
@@ -52,8 +53,7 @@ struct Loaded {
     params: Vec<(String, f64)>,
     ics: Vec<(String, f64)>,
     ordered: Ordered,
-    simulation: Simulation,
-    channels: Channels,
+    board: Board,
 }
 
 #[derive(Default)]
@@ -71,7 +71,7 @@ impl Server {
                 let loaded = Loaded::new(bundle, params, Vec::new(), profile)?;
                 let reply = Reply::Loaded {
                     patch_hash: loaded.bundle.hash(),
-                    channels: loaded.channels.describe(&loaded.ordered.netlist),
+                    channels: loaded.board.channels.describe(&loaded.ordered.netlist),
                 };
                 self.loaded = Some(loaded);
                 Ok(reply)
@@ -87,8 +87,8 @@ impl Server {
                 }
                 let mut new =
                     Loaded::new(old.bundle.clone(), params, old.ics.clone(), old.profile.clone())?;
-                new.channels.carry_over(&old.channels, &mut new.simulation);
-                new.settle()?;
+                new.board.channels.carry_over(&old.board.channels, &mut new.board.simulation);
+                new.board.settle()?;
                 self.loaded = Some(new);
                 Ok(Reply::Done)
             }
@@ -97,33 +97,35 @@ impl Server {
                 Ok(Reply::Done)
             }
             Request::Preset(preset) => {
-                self.loaded()?.preset(&preset)?;
+                self.loaded()?.board.preset(&preset)?;
                 Ok(Reply::Done)
             }
             Request::Read(names) => {
                 let loaded = self.loaded()?;
-                let netlist = &loaded.ordered.netlist;
-                let read = |name: &String| {
-                    netlist
-                        .nets
-                        .iter()
-                        .position(|n| n.name == *name)
-                        .map(|i| loaded.simulation.net(NetId(i as u32)))
-                        .ok_or_else(|| format!("the patch has no net `{name}` to read"))
-                };
-                names.iter().map(read).collect::<Result<_, _>>().map(Reply::Values)
+                let nets = loaded.nets(&names)?;
+                let values = nets.into_iter().map(|net| loaded.board.simulation.net(net));
+                Ok(Reply::Values(values.collect()))
+            }
+            Request::Linearise { inputs, outputs } => {
+                self.loaded()?.linearise(&inputs, &outputs).map(Reply::Linear)
             }
             Request::StaticCheck => {
                 let loaded = self.loaded()?;
-                static_check(&loaded.ordered, &mut loaded.simulation)
+                static_check(&loaded.ordered, &mut loaded.board.simulation)
                     .map(Reply::StaticCheck)
                     .map_err(|f| f.to_string())
             }
             Request::Diagnose => Ok(Reply::Diagnosis {
                 fault: self.fault.clone(),
-                overloads: self.loaded.as_ref().map(Loaded::overloads).unwrap_or_default(),
+                overloads: self
+                    .loaded
+                    .as_ref()
+                    .map(|l| l.board.overloads(&l.ordered))
+                    .unwrap_or_default(),
             }),
-            Request::Operate(_) | Request::Bye => Err("not a request to be answered here".into()),
+            Request::Operate(_) | Request::Sweep(_) | Request::Bye => {
+                Err("not a request to be answered here".into())
+            }
         }
     }
 
@@ -135,8 +137,7 @@ impl Server {
         let fault = frame_cycle::run(
             spec,
             loaded.ordered.netlist.integration.time_scale,
-            &mut loaded.simulation,
-            &mut loaded.channels,
+            &mut loaded.board,
             port,
         )?;
         self.fault = fault.map(|f| f.to_string());
@@ -157,7 +158,7 @@ impl Server {
         if latency < Tick::ZERO || latency > frame {
             return Err(format!("latency {latency} lies outside 0 … {frame} (one frame)"));
         }
-        let scan = loaded.channels.scan_time(skew);
+        let scan = loaded.board.channels.scan_time(skew);
         if skew < Tick::ZERO || scan.is_none_or(|scan| scan > latency) {
             let scan = scan.map_or("more than 292 years".into(), |scan| scan.to_string());
             return Err(format!(
@@ -168,7 +169,7 @@ impl Server {
             return Err(format!("stop time {stop} is negative"));
         }
         if spec.from_ic {
-            loaded.reset()?;
+            loaded.board.reset()?;
         }
         self.fault = None;
         Ok(())
@@ -187,87 +188,47 @@ impl Loaded {
         tolerance::apply(&mut ordered, profile.component_error());
         let mut simulation = ordered.simulation().map_err(|f| f.to_string())?;
         let channels = Channels::new(&ordered.netlist, &profile, &mut simulation)?;
-        let mut loaded =
-            Loaded { bundle, profile, params, ics: Vec::new(), ordered, simulation, channels };
+        let board = Board { simulation, channels };
+        let mut loaded = Loaded { bundle, profile, params, ics: Vec::new(), ordered, board };
         loaded.set_ics(ics)?;
         Ok(loaded)
     }
 
-    /// Sets initial conditions and goes to IC; where that is impossible the former ones
-    /// are put back.
+    fn nets(&self, names: &[String]) -> Result<Vec<NetId>, String> {
+        let nets = &self.ordered.netlist.nets;
+        let find = |name: &String| match nets.iter().position(|net| net.name == *name) {
+            Some(i) => Ok(NetId(i as u32)),
+            None => Err(format!(
+                "the patch has no net `{name}`; {}",
+                suggestion(name, nets.iter().map(|net| net.name.as_str()))
+            )),
+        };
+        names.iter().map(find).collect()
+    }
+
+    fn linearise(&self, inputs: &[String], outputs: &[String]) -> Result<LinearModel, String> {
+        let (inputs, outputs) = (self.nets(inputs)?, self.nets(outputs)?);
+        let linear = self.board.simulation.linearise(&inputs, &outputs);
+        let Linear { a, b, c, d } = linear.map_err(|fault| fault.to_string())?;
+        let machine = self.board.simulation.machine();
+        let states = machine.block_of_state.iter();
+        let rows = |m: DMatrix<f64>| m.transpose().as_slice().to_vec();
+        Ok(LinearModel {
+            states: states.map(|block| machine.block_names[block.index()].clone()).collect(),
+            a: rows(a),
+            b: rows(b),
+            c: rows(c),
+            d: rows(d),
+        })
+    }
+
+    /// Sets initial conditions and goes to IC, and remembers them.
     fn set_ics(&mut self, values: Vec<(String, f64)>) -> Result<(), String> {
-        let blocks = values
-            .iter()
-            .map(|(name, value)| self.store(name, *value))
-            .collect::<Result<Vec<BlockId>, _>>()?;
-        let former: Vec<Option<f64>> = blocks.iter().map(|b| self.simulation.ic(*b)).collect();
-        for (block, (_, value)) in blocks.iter().zip(&values) {
-            self.simulation.set_ic(*block, *value);
-        }
-        if let Err(fault) = self.simulation.reset() {
-            for (block, former) in blocks.iter().zip(former) {
-                if let Some(value) = former {
-                    self.simulation.set_ic(*block, value);
-                }
-            }
-            // A fault of the former ICs stood before; it stands on in the simulation.
-            self.reset().ok();
-            return Err(fault.to_string());
-        }
+        self.board.set_ics(&self.ordered, &values)?;
         for (name, value) in values {
             self.ics.retain(|(n, _)| *n != name);
             self.ics.push((name, value));
         }
         Ok(())
-    }
-
-    /// The block whose initial condition is to be `value`.
-    fn store(&self, name: &str, value: f64) -> Result<BlockId, String> {
-        if !value.is_finite() {
-            return Err(format!("the IC of `{name}` is {value}, not a finite number"));
-        }
-        self.ordered
-            .netlist
-            .blocks
-            .iter()
-            .position(|b| b.name == name && b.kind.is_store())
-            .map(|index| BlockId(index as u32))
-            .ok_or_else(|| format!("the patch has no integrator `{name}` to set an IC of"))
-    }
-
-    /// Presets channels; where the machine cannot settle with them the former settings
-    /// are put back. At IC the fault goes with them; later it stands until the next reset.
-    fn preset(&mut self, preset: &Updates) -> Result<(), String> {
-        let former = self.channels.clone();
-        self.channels.preset(preset, &mut self.simulation)?;
-        let Err(fault) = self.settle() else {
-            return Ok(());
-        };
-        self.channels = former;
-        self.channels.set_all(&mut self.simulation);
-        if self.simulation.mode() == Mode::InitialCondition {
-            self.reset().ok();
-        }
-        Err(fault)
-    }
-
-    fn reset(&mut self) -> Result<(), String> {
-        self.simulation.reset().map_err(|f| f.to_string())
-    }
-
-    fn settle(&mut self) -> Result<(), String> {
-        self.simulation.apply().map_err(|f| f.to_string())
-    }
-
-    fn overloads(&self) -> Vec<Overload> {
-        self.simulation
-            .overloads()
-            .iter()
-            .map(|o| Overload {
-                block: self.ordered.netlist.blocks[o.block.index()].name.clone(),
-                time_s: o.t_s,
-                value: o.value,
-            })
-            .collect()
     }
 }

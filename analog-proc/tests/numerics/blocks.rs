@@ -287,3 +287,17 @@ fn dac_slopes_and_settling_are_integrated_exactly() {
     let expected = 2.0 + 1.5 - 0.2 * (1.0 - (-10.0_f64).exp());
     close(bench.run(2.0).net("y"), expected, 1e-9, "integral");
 }
+
+#[test]
+fn limited_integrator_rests_on_its_limit() {
+    // dy/dt = cos t between ±0.5: leaves the stop where the input turns, t = π/2.
+    let mut bench = Bench::new(
+        r#"
+        c = { kind = "integrator", in = ["-1 * s"], ic = 1.0 }
+        s = { kind = "integrator", in = ["c"] }
+        y = { kind = "integrator", in = ["c"], limits = [-0.5, 0.5] }
+    "#,
+    );
+    assert_eq!(bench.run(1.0).net("y"), 0.5);
+    assert!((bench.run(2.0).net("y") - (0.5 + 2.0_f64.sin() - 1.0)).abs() < 1e-9);
+}

@@ -13,6 +13,7 @@ mod blocks;
 mod events;
 mod faults;
 mod invariance;
+mod linear;
 mod methods;
 
 use bench::{Bench, close, tick};

@@ -7,7 +7,10 @@
 use desk::faults::suggestion;
 use interface::{
     Tick,
-    control::{Channel, ChannelKind, Overload, PatchBundle, Reply, Request, RunSpec},
+    control::{
+        Channel, ChannelKind, LinearModel, Overload, PatchBundle, Reply, Request, RunSpec, Sweep,
+        SweepCase, SweptRun,
+    },
     frame::{RunState, Samples, Updates},
     link::{DigitalPort, LinkFault},
     profile::Profile,
@@ -84,6 +87,22 @@ impl<F: FnMut(&Samples, &mut Updates)> Law for F {
         self(samples, updates);
     }
 }
+
+/// A run of a sweep, by names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepRun<'n> {
+    /// Initial conditions by integrator.
+    pub ics: Vec<(&'n str, f64)>,
+    /// DACs, DCUs and control lines (1 or 0).
+    pub settings: Vec<(&'n str, f64)>,
+    /// Problem time at which it ends.
+    pub stop: Tick,
+}
+
+/// Samples asked for at a time: a megabyte, and no more than a moment between two signs of life.
+const SAMPLES_A_REQUEST: usize = 1 << 17;
+/// Runs asked for at a time: half a megabyte of settings.
+const RUNS_A_REQUEST: usize = 256;
 
 /// One session seen from the digital side.
 pub struct Console<'p> {
@@ -190,6 +209,24 @@ impl<'p> Console<'p> {
         }
     }
 
+    /// The linear model of the patch about its present state, from the nets `inputs`, in place of
+    /// what drives them, to the nets `outputs`.
+    ///
+    /// # Errors
+    /// [`ConsoleFault::Refused`]: an unknown net, a transport delay, a slope that does not exist.
+    pub fn linearise(
+        &mut self,
+        inputs: &[&str],
+        outputs: &[&str],
+    ) -> Result<LinearModel, ConsoleFault> {
+        let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        let (inputs, outputs) = (owned(inputs), owned(outputs));
+        match request(self.port, &Request::Linearise { inputs, outputs })? {
+            Reply::Linear(model) => Ok(model),
+            _ => Err(ConsoleFault::WrongReply { request: "a linear model" }),
+        }
+    }
+
     /// What ended the last run, and latched overloads.
     pub fn diagnose(&mut self) -> Result<Diagnosis, ConsoleFault> {
         match request(self.port, &Request::Diagnose)? {
@@ -225,6 +262,40 @@ impl<'p> Console<'p> {
             }
         }
         unreachable!("frames are counted in u64")
+    }
+
+    /// Makes many runs that this side only reads, sampling the ADC channels `adc` once `every`;
+    /// `each` is given them in order. They go side by side on the analog side's processors, and
+    /// each has the bits of a run alone. Afterwards the machine stands as before.
+    ///
+    /// # Errors
+    /// [`ConsoleFault`]: a refused setting or a lost partner, but not a run that faults.
+    pub fn sweep<'n>(
+        &mut self,
+        every: Tick,
+        adc: &[usize],
+        runs: impl IntoIterator<Item = SweepRun<'n>>,
+        mut each: impl FnMut(SweptRun),
+    ) -> Result<(), ConsoleFault> {
+        let mut runs = runs.into_iter().peekable();
+        while runs.peek().is_some() {
+            let adc = adc.iter().map(|channel| *channel as u32).collect();
+            let mut sweep = Sweep { every, adc, cases: Vec::new() };
+            let mut samples = 0;
+            while samples < SAMPLES_A_REQUEST
+                && sweep.cases.len() < RUNS_A_REQUEST
+                && let Some(SweepRun { ics, settings, stop }) = runs.next()
+            {
+                samples += (stop.secs() / every.secs()) as usize * sweep.adc.len() + 1;
+                let ics = ics.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+                sweep.cases.push(SweepCase { ics, preset: self.settings(&settings)?, stop });
+            }
+            match request(self.port, &Request::Sweep(sweep))? {
+                Reply::Swept(swept) => swept.into_iter().for_each(&mut each),
+                _ => return Err(ConsoleFault::WrongReply { request: "a sweep" }),
+            }
+        }
+        Ok(())
     }
 
     /// Ends the session.

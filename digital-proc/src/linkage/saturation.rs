@@ -21,7 +21,7 @@ impl Saturations {
         for (all, new) in self.dcu.iter_mut().zip(samples.dcu_saturated) {
             *all |= new;
         }
-        (samples.adc_saturated | samples.dac_saturated) != 0 || samples.dcu_saturated != [0, 0]
+        samples.saturated()
     }
 
     /// The saturated channels as `ADC alpha`, in the order of `channels`.

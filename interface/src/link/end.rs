@@ -5,7 +5,7 @@
 //! Both links share these ends, so they cannot differ in behaviour.
 
 use super::{
-    AnalogPort, DigitalPort, LinkFault,
+    AnalogPort, DigitalPort, FramePort, LinkFault,
     waiting::{Limit, Patience, Watch, wait},
 };
 use crate::{
@@ -121,7 +121,7 @@ impl<W: AnalogWire> AnalogEnd<W> {
     }
 }
 
-impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
+impl<W: AnalogWire> FramePort for AnalogEnd<W> {
     fn send_samples(&mut self, samples: &Samples) -> Result<(), LinkFault> {
         self.patience.check_interrupt(self.protocol.frame())?;
         let lossy = self.protocol.may_skip();
@@ -187,7 +187,9 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
         }
         Ok(())
     }
+}
 
+impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
     fn await_request(&mut self) -> Result<Request, LinkFault> {
         let frame = self.protocol.frame();
         let request = wait(

@@ -87,8 +87,8 @@ impl LinkFault {
     }
 }
 
-/// The analog processor's end.
-pub trait AnalogPort {
+/// What a frame cycle needs of the other side.
+pub trait FramePort {
     /// Sends samples n.
     fn send_samples(&mut self, samples: &Samples) -> Result<(), LinkFault>;
     /// Waits for updates n.
@@ -99,6 +99,10 @@ pub trait AnalogPort {
     /// Looks whether somebody still waits for this side, which is computing; cheap enough
     /// to be asked every few microseconds.
     fn attend(&mut self) -> Result<(), LinkFault>;
+}
+
+/// The analog processor's end.
+pub trait AnalogPort: FramePort {
     /// Waits for the next request, as long as the partner lives.
     fn await_request(&mut self) -> Result<Request, LinkFault>;
     /// Answers the last request.

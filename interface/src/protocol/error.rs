@@ -78,6 +78,8 @@ pub(super) fn request_name(request: &Request) -> &'static str {
         Request::Preset(_) => "request Preset",
         Request::Read(_) => "request Read",
         Request::StaticCheck => "request StaticCheck",
+        Request::Sweep(_) => "request Sweep",
+        Request::Linearise { .. } => "request Linearise",
         Request::Operate(_) => "request Operate",
         Request::Diagnose => "request Diagnose",
         Request::Bye => "request Bye",
@@ -91,6 +93,8 @@ pub(super) fn reply_name(reply: &Reply) -> &'static str {
         Reply::Done => "reply Done",
         Reply::Values(_) => "reply Values",
         Reply::StaticCheck(_) => "reply StaticCheck",
+        Reply::Swept(_) => "reply Swept",
+        Reply::Linear(_) => "reply Linear",
         Reply::Diagnosis { .. } => "reply Diagnosis",
         Reply::Refused(_) => "reply Refused",
     }

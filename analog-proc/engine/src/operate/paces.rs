@@ -5,7 +5,7 @@ use crate::machine::Machine;
 use crate::signal::Rated;
 
 /// What is known of them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Paces {
     /// The greatest magnitude of each divisor, radicand or vector so far.
     largest: Vec<f64>,

@@ -211,24 +211,34 @@ fn gain_margin_db(plane: &Plane) -> f64 {
     stable
 }
 
-/// Runs the loop at a frozen point without disturbances and with them, and measures both.
+/// Runs the loop at frozen points without disturbances and with them, and measures it there;
+/// `progress` is told the number of points done.
 ///
 /// # Errors
 /// [`StudyFault`]: the machine or its link, but not a diverging run.
 pub(crate) fn measure(
     console: &mut Console<'_>,
     bench: &Bench,
-    point: &FrozenPoint,
-) -> Result<LoopQuality, StudyFault> {
-    let mut run = |disturbance, duration_s: f64| {
-        let settings = Settings::pitch(point, &disturbance, STEP_RAD);
-        let stop = Tick::from_secs(duration_s).unwrap_or(Tick::ZERO);
-        bench.run(console, &settings, SAMPLE, stop).map(|(response, _)| response)
-    };
-    let undisturbed = run(Disturbance::NONE, UNDISTURBED_S)?;
+    points: &[FrozenPoint],
+    mut progress: impl FnMut(usize),
+) -> Result<Vec<LoopQuality>, StudyFault> {
     let full = Disturbance { misalignment: 1.0, gust: 1.0, cant: 0.0 };
-    let disturbed = run(full, DISTURBED_S)?;
-    Ok(LoopQuality::new(point, &undisturbed, &disturbed))
+    let asked = points.iter().flat_map(|point| {
+        [(Disturbance::NONE, UNDISTURBED_S), (full, DISTURBED_S)].map(|(disturbance, stop_s)| {
+            let settings = Settings::pitch(point, &disturbance, STEP_RAD);
+            (settings, Tick::from_secs(stop_s).unwrap_or(Tick::ZERO))
+        })
+    });
+    let mut all = Vec::with_capacity(points.len());
+    let mut undisturbed = None;
+    bench.run(console, SAMPLE, asked, |response, _| match undisturbed.take() {
+        None => undisturbed = Some(response),
+        Some(undisturbed) => {
+            all.push(LoopQuality::new(&points[all.len()], &undisturbed, &response));
+            progress(all.len());
+        }
+    })?;
+    Ok(all)
 }
 
 impl LoopQuality {

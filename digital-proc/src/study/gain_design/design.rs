@@ -66,7 +66,7 @@ pub struct IntervalDesign {
     /// Evaluations of the cost.
     pub evaluations: usize,
     /// Quality of the designed gains at both places.
-    pub quality: [LoopQuality; 2],
+    pub quality: Vec<LoopQuality>,
 }
 
 /// A designed schedule.
@@ -131,7 +131,7 @@ pub fn design(
 }
 
 /// The worse cost of the two ends.
-fn worse(quality: &[LoopQuality; 2]) -> f64 {
+fn worse(quality: &[LoopQuality]) -> f64 {
     quality.iter().map(LoopQuality::cost).fold(0.0, f64::max)
 }
 
@@ -231,12 +231,9 @@ impl Judge<'_, '_, '_> {
         Ok(worse(&self.quality(gains)?))
     }
 
-    fn quality(&mut self, gains: &LoopGains) -> Result<[LoopQuality; 2], StudyFault> {
-        let mut run = |slice: &SlicePoint| {
-            let frozen = FrozenPoint::new(self.vehicle, slice, gains);
-            self.runs += 2;
-            measure(self.console, self.bench, &frozen)
-        };
-        Ok([run(self.slices[0])?, run(self.slices[1])?])
+    fn quality(&mut self, gains: &LoopGains) -> Result<Vec<LoopQuality>, StudyFault> {
+        self.runs += 2 * self.slices.len();
+        let frozen = self.slices.map(|slice| FrozenPoint::new(self.vehicle, slice, gains));
+        measure(self.console, self.bench, &frozen, |_| {})
     }
 }

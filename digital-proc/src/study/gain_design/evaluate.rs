@@ -75,16 +75,20 @@ pub fn evaluate(
     points: &[SlicePoint],
     data: &ScheduleData,
 ) -> Result<Vec<PointQuality>, StudyFault> {
-    let mut at = |slice: &SlicePoint| {
-        let begun = data.switch_time_s.partition_point(|&t| t <= slice.time_s);
-        let gains = schedule::gains(data, begun.max(1) - 1);
-        Ok(PointQuality {
-            point: slice.name.clone(),
-            time_s: slice.time_s,
-            quality: measure(console, bench, &FrozenPoint::new(vehicle, slice, &gains))?,
+    let frozen: Vec<FrozenPoint> = points
+        .iter()
+        .map(|slice| {
+            let begun = data.switch_time_s.partition_point(|&t| t <= slice.time_s);
+            FrozenPoint::new(vehicle, slice, &schedule::gains(data, begun.max(1) - 1))
         })
+        .collect();
+    let qualities = measure(console, bench, &frozen, |_| {})?;
+    let at = |(slice, quality): (&SlicePoint, LoopQuality)| PointQuality {
+        point: slice.name.clone(),
+        time_s: slice.time_s,
+        quality,
     };
-    points.iter().map(&mut at).collect()
+    Ok(points.iter().zip(qualities).map(at).collect())
 }
 
 /// Whether a schedule is accepted at every point.

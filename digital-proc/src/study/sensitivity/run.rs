@@ -14,7 +14,7 @@ use crate::{
         },
     },
 };
-use vehicle::Vehicle;
+use vehicle::{Vehicle, slice::SlicePoint};
 
 /// Corners of each point that are also run on the machine.
 const CORNERS_RUN: usize = 2;
@@ -139,53 +139,60 @@ pub fn run(
     bench: &Bench,
     vehicle: &Vehicle,
     dispersions: &Dispersions,
-    mut progress: impl FnMut(usize),
+    progress: impl FnMut(usize),
 ) -> Result<Vec<PointSensitivity>, StudyFault> {
     let slices = dispersions.locate(vehicle)?;
-    let mut done = 0;
-    let mut out = Vec::with_capacity(slices.len());
-    for slice in slices {
-        let nominal = FrozenPoint::new(vehicle, &slice, &slice.settings.gains);
-        let mut quality = |point: &FrozenPoint| -> Result<LoopQuality, StudyFault> {
-            let measured = measure(console, bench, point)?;
-            done += 1;
-            progress(done);
-            Ok(measured)
-        };
-        let mut effects = Vec::with_capacity(dispersions.all.len());
-        for dispersion in &dispersions.all {
-            let mut at = |side| {
+    let all = &dispersions.all;
+    // At each point without dispersion, each at its lower and upper setting, and the worst corners.
+    let mut asked = Vec::new();
+    let mut looked_at = Vec::with_capacity(slices.len());
+    for slice in &slices {
+        let nominal = FrozenPoint::new(vehicle, slice, &slice.settings.gains);
+        asked.push(nominal);
+        for dispersion in all {
+            for side in [Side::Low, Side::High] {
                 let mut point = nominal;
                 dispersion.apply(vehicle, &mut point, side);
-                quality(&point)
-            };
-            effects.push(Effect {
-                dispersion: dispersion.label(),
-                low: at(Side::Low)?,
-                high: at(Side::High)?,
-            });
+                asked.push(point);
+            }
         }
-        let corners = Corners::new(vehicle, &nominal, &dispersions.all);
-        let mut worst_corners = Vec::new();
-        for (worst_in, bits) in corners.worst() {
-            let point = corner(vehicle, &nominal, &dispersions.all, bits);
-            worst_corners.push(Corner {
-                high: (0..dispersions.all.len()).map(|i| bits >> i & 1 == 1).collect(),
-                worst_in,
-                quality: quality(&point)?,
-            });
-        }
-        out.push(PointSensitivity {
+        let corners = Corners::new(vehicle, &nominal, all);
+        asked.extend(corners.worst().map(|(_, bits)| corner(vehicle, &nominal, all, bits)));
+        looked_at.push(corners);
+    }
+    let qualities = measure(console, bench, &asked, progress)?;
+    let of_points = qualities.chunks(1 + 2 * all.len() + CORNERS_RUN);
+    let at = |((slice, corners), of): ((&SlicePoint, Corners), &[LoopQuality])| {
+        let (nominal, rest) = (of[0], &of[1..]);
+        let (sides, worst) = rest.split_at(2 * all.len());
+        PointSensitivity {
             point: slice.name.clone(),
             time_s: slice.time_s,
-            nominal: quality(&nominal)?,
-            effects,
+            nominal,
+            effects: all
+                .iter()
+                .zip(sides.chunks(2))
+                .map(|(dispersion, sides)| Effect {
+                    dispersion: dispersion.label(),
+                    low: sides[0],
+                    high: sides[1],
+                })
+                .collect(),
             corners: corners.count,
             unstable_corners: corners.unstable,
-            worst_corners,
-        });
-    }
-    Ok(out)
+            worst_corners: corners
+                .worst()
+                .into_iter()
+                .zip(worst)
+                .map(|((worst_in, bits), quality)| Corner {
+                    high: (0..all.len()).map(|i| bits >> i & 1 == 1).collect(),
+                    worst_in,
+                    quality: *quality,
+                })
+                .collect(),
+        }
+    };
+    Ok(slices.iter().zip(looked_at).zip(of_points).map(at).collect())
 }
 
 /// Runs that [`run`] makes, counted in loops measured.

@@ -1,9 +1,7 @@
 //! A patched control loop as an instrument, and a plan run on it: one session, run after run.
 //!
-//! A patch is loaded once and then, for each run, the machine goes to IC, its coefficients
-//! are set in one request and it operates (rep-op). Nothing is restarted in between. The
-//! digital side only reads while a run operates, so that the frame cycle's latency (one
-//! frame) changes no number and lets both sides work in parallel.
+//! A patch is loaded once; then the digital side asks for runs by the dozen, each with its
+//! coefficients and initial conditions, and reads what was sampled (iterative operation).
 //!
 //! A run that diverges until the machine refuses to go on answers with what was sampled
 //! before, and says so; it does not end the study. A lost partner or a refused setting does.
@@ -11,14 +9,13 @@
 use super::{
     coefficients::Settings,
     control_loop::{ControlLoop, Response},
-    plan::Plan,
+    plan::{Case, Plan},
     results::{Occurrence, Results, Run},
 };
-use crate::linkage::console::{Console, ConsoleFault};
+use crate::linkage::console::{Console, ConsoleFault, SweepRun};
 use interface::{
     Tick,
-    control::{ChannelKind, Clock, PatchBundle, RunSpec},
-    frame::{Samples, Updates},
+    control::{ChannelKind, PatchBundle, SweptRun},
     profile::Profile,
 };
 
@@ -86,56 +83,45 @@ impl Bench {
         Bench::load(console, ControlLoop::Pitch, &Patches::shipped(), profile)
     }
 
-    /// One run from its initial conditions, sampled once a `frame`, with what happened in it.
+    /// Runs from their initial conditions, each to its own stop, sampled once a `frame`; `each`
+    /// is given them in order, with what happened in them.
     ///
     /// # Errors
     /// [`ConsoleFault`]: a refused setting or a lost partner, but not a run that diverges.
     pub fn run(
         &self,
         console: &mut Console<'_>,
-        settings: &Settings,
         frame: Tick,
-        stop: Tick,
-    ) -> Result<(Response, Vec<Occurrence>), ConsoleFault> {
-        // The initial conditions first: they reset what a stopped run left behind.
-        console.set_ics(owned(settings.initial_conditions()))?;
-        console.preset(&console.settings(&settings.values())?)?;
-        let mut response = Response::new(self.control_loop, frame.secs());
-        let mut saturated = false;
-        let spec = RunSpec {
-            frame,
-            latency: frame,
-            skew: Tick::ZERO,
+        runs: impl IntoIterator<Item = (Settings, Tick)>,
+        mut each: impl FnMut(Response, Vec<Occurrence>),
+    ) -> Result<(), ConsoleFault> {
+        let asked = runs.into_iter().map(|(settings, stop)| SweepRun {
+            ics: settings.initial_conditions(),
+            settings: settings.values(),
             stop,
-            from_ic: true,
-            clock: Clock::LockStep,
-        };
-        let ended = console.run(&spec, &mut |samples: &Samples, _: &mut Updates| {
-            response.push(self.adc.iter().map(|&channel| samples.adc[channel]));
-            saturated |= samples.adc_saturated | samples.dac_saturated != 0
-                || samples.dcu_saturated != [0; 2];
         });
-        let mut seen = Vec::new();
-        match ended {
-            Ok(last) if last.overloads > 0 => {
-                let overloads = console.diagnose()?.overloads;
-                seen.push(Occurrence::Overloaded(overloads.into_iter().map(|o| o.block).collect()));
+        console.sweep(frame, &self.adc, asked, |run| {
+            let mut response = Response::new(self.control_loop, frame.secs());
+            for row in run.samples.chunks(self.adc.len()) {
+                response.push(row.iter().copied());
             }
-            Ok(_) => {}
-            Err(ConsoleFault::RunFault { time, fault }) => {
-                seen.push(Occurrence::Stopped { time, fault });
-            }
-            Err(fault) => return Err(fault),
-        }
-        if saturated {
-            seen.push(Occurrence::Saturated);
-        }
-        Ok((response, seen))
+            each(response, occurrences(run));
+        })
     }
 }
 
-fn owned(values: Vec<(&'static str, f64)>) -> Vec<(String, f64)> {
-    values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+fn occurrences(run: SweptRun) -> Vec<Occurrence> {
+    let mut seen = Vec::new();
+    if let Some((time, fault)) = run.fault {
+        seen.push(Occurrence::Stopped { time, fault });
+    } else if !run.overloads.is_empty() {
+        let blocks = run.overloads.into_iter().map(|o| o.block);
+        seen.push(Occurrence::Overloaded(blocks.collect()));
+    }
+    if run.saturated {
+        seen.push(Occurrence::Saturated);
+    }
+    seen
 }
 
 /// Runs a whole plan; `progress` is told the number of runs done.
@@ -149,18 +135,19 @@ pub fn run(
     let mut runs = Vec::with_capacity(plan.cases.len());
     let mut hashes = Vec::new();
     for control_loop in ControlLoop::ALL {
-        let mut cases = plan.of(control_loop).peekable();
-        if cases.peek().is_none() {
+        let cases: Vec<&Case> = plan.of(control_loop).collect();
+        if cases.is_empty() {
             continue;
         }
         let bench = Bench::load(console, control_loop, patches, profile)?;
         hashes.push((patches.of(control_loop).root.clone(), console.patch_hash().to_owned()));
-        for case in cases {
-            let stop = plan.sample * plan.samples() as i64;
-            let (response, seen) = bench.run(console, &case.settings, plan.sample, stop)?;
-            runs.push(Run::new(plan, case, response, seen));
+        let stop = plan.sample * plan.samples() as i64;
+        let asked = cases.iter().map(|case| (case.settings, stop));
+        let mut next = cases.iter();
+        bench.run(console, plan.sample, asked, |response, seen| {
+            runs.extend(next.next().map(|case| Run::new(plan, case, response, seen)));
             progress(runs.len());
-        }
+        })?;
     }
     Ok(Results { plan: plan.clone(), runs, patches: hashes })
 }

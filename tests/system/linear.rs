@@ -1,0 +1,134 @@
+//! The machine's own linear models against the matrices that the study is written with.
+
+use crate::bench_top::with_console;
+use digital_proc::{
+    linkage::console::Console,
+    study::short_period::{
+        coefficients::{Disturbance, Offsets, Settings},
+        control_loop::ControlLoop,
+        linear::{ChannelGains, plane_matrix},
+        machine::{Bench, Patches},
+        point::FrozenPoint,
+    },
+};
+use interface::{control::LinearModel, profile::Profile};
+use vehicle::{Vehicle, slice};
+
+/// States of a plane in the order of the study's matrix, by block; the tip's is added.
+const PLANE: [&str; 10] = [
+    "plane.drift_rate",
+    "plane.theta",
+    "plane.theta_rate",
+    "",
+    "plane.tvc_force",
+    "plane.gyro_rate",
+    "plane.gyro_slope",
+    "plane.eta",
+    "plane.eta_rate",
+    "plane.filtered_error",
+];
+const TIP: usize = 3;
+
+fn points() -> Vec<FrozenPoint> {
+    let vehicle = Vehicle::shipped().unwrap();
+    let slices = slice::points(&vehicle, &[("lift-off", 2.0), ("max-q", 32.5)]).unwrap();
+    slices.iter().map(|s| FrozenPoint::new(&vehicle, s, &s.settings.gains)).collect()
+}
+
+fn model(console: &mut Console<'_>, settings: &Settings) -> LinearModel {
+    let owned = |(name, value): (&'static str, f64)| (name.to_owned(), value);
+    console.set_ics(settings.initial_conditions().into_iter().map(owned).collect()).unwrap();
+    console.preset(&console.settings(&settings.values()).unwrap()).unwrap();
+    console.linearise(&[], &[]).unwrap()
+}
+
+/// Entry of A by the blocks of row and column.
+fn entry(model: &LinearModel, row: &str, column: &str) -> f64 {
+    let at = |name: &str| model.states.iter().position(|state| state == name).unwrap();
+    model.a[at(row) * model.states.len() + at(column)]
+}
+
+fn agree(found: f64, truth: f64, what: &str) {
+    assert!((found - truth).abs() <= 1e-9 * truth.abs(), "{what}: {found} for {truth}");
+}
+
+#[test]
+fn the_pitch_loop_is_the_matrix_of_the_study() {
+    with_console(|console| {
+        Bench::load(console, ControlLoop::Pitch, &Patches::shipped(), &Profile::ideal()).unwrap();
+        // At rest the thrust vector is inside its dead zone; a step of 2 degrees takes it beyond.
+        for (command_rad, gains) in
+            [(0.0, ChannelGains::FTC_ONLY), (2f64.to_radians(), ChannelGains::BOTH)]
+        {
+            for point in points() {
+                let settings = Settings::pitch(&point, &Disturbance::NONE, command_rad);
+                let model = model(console, &settings);
+                assert_eq!(model.states.len(), 10);
+                let truth = plane_matrix(&settings.plane, gains);
+                let names = PLANE.map(|name| if name.is_empty() { "tip.deflection" } else { name });
+                for (i, row) in names.iter().enumerate() {
+                    for (j, column) in names.iter().enumerate() {
+                        let what = format!("{row} by {column}");
+                        agree(entry(&model, row, column), truth[(i, j)], &what);
+                    }
+                }
+            }
+        }
+    });
+}
+
+/// Half the sum of the tips is the plane's tip; half their difference rolls.
+#[test]
+fn the_yaw_and_roll_loops_fall_apart_into_the_plane_and_the_roll() {
+    with_console(|console| {
+        let patches = Patches::shipped();
+        Bench::load(console, ControlLoop::YawRoll, &patches, &Profile::ideal()).unwrap();
+        for point in points() {
+            let still =
+                Offsets { yaw_rad: 0.0, yaw_rate_radps: 0.0, roll_rad: 0.0, roll_rate_radps: 0.0 };
+            let settings = Settings::yaw_roll(&point, &Disturbance::NONE, still, false);
+            let model = model(console, &settings);
+            let tips = ["tip2.deflection", "tip4.deflection"];
+            let truth = plane_matrix(&settings.plane, ChannelGains::FTC_ONLY);
+            let roll = settings.roll.unwrap();
+            // By the mean of the tips (sense 1) or half their difference (−1); of it likewise.
+            let by = |row: &str, sense: f64| {
+                entry(&model, row, tips[0]) + sense * entry(&model, row, tips[1])
+            };
+            let of = |column: &str, sense: f64| {
+                0.5 * (entry(&model, tips[0], column) + sense * entry(&model, tips[1], column))
+            };
+            for (i, row) in PLANE.iter().enumerate().filter(|(i, _)| *i != TIP) {
+                for (j, column) in PLANE.iter().enumerate().filter(|(j, _)| *j != TIP) {
+                    agree(entry(&model, row, column), truth[(i, j)], &format!("{row} by {column}"));
+                }
+                agree(by(row, 1.0), truth[(i, TIP)], row);
+                agree(of(row, 1.0), truth[(TIP, i)], row);
+                assert_eq!(
+                    (by(row, -1.0), of(row, -1.0)),
+                    (0.0, 0.0),
+                    "{row} knows nothing of roll"
+                );
+            }
+            let demand = -settings.plane.tip_bandwidth * roll.gain;
+            let rolling = [
+                ("roll_angle", "roll_rate", 1.0),
+                ("roll_rate", "roll_rate", roll.damping),
+                ("roll_gyro_slope", "roll_rate", settings.plane.gyro_spring),
+                ("roll_gyro_slope", "roll_gyro_rate", -settings.plane.gyro_spring),
+                ("roll_gyro_slope", "roll_gyro_slope", -settings.plane.gyro_drag),
+                ("roll_gyro_rate", "roll_gyro_slope", 1.0),
+            ];
+            for (row, column, truth) in rolling {
+                agree(entry(&model, row, column), truth, &format!("{row} by {column}"));
+            }
+            agree(
+                by("roll_rate", -1.0),
+                roll.moment * settings.plane.tip_force,
+                "roll by the tips",
+            );
+            agree(of("roll_angle", -1.0), demand, "the tips by roll");
+            agree(of("roll_gyro_rate", -1.0), demand * roll.lead, "the tips by its gyro");
+        }
+    });
+}
