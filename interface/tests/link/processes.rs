@@ -3,7 +3,9 @@
 //!
 //! The partner is this test binary again, in the role of the ignored test `partner` or `server`.
 
-use crate::battery::{assert_nothing_left, load, patience, samples, serve, spec, updates};
+use crate::battery::{
+    assert_nothing_left, assert_samples, load, patience, samples, serve, spec, updates,
+};
 use interface::{
     Side,
     control::{Clock, Request},
@@ -123,7 +125,7 @@ fn digital_life(port: &mut impl DigitalPort, frames: u64) -> Result<(), LinkFaul
     port.request(&Request::Operate(spec(Clock::LockStep)))?;
     for n in 0..frames {
         let got = port.await_samples(n)?;
-        assert_eq!(got, samples(n, RunState::Operate));
+        assert_samples(&got, &samples(n, RunState::Operate));
         let mut answer = updates(&got);
         if n + 1 == frames {
             answer.mode = interface::frame::ModeCommand::End as u32;
