@@ -11,20 +11,16 @@ pub use supply::{against_profile, needs};
 
 use crate::block::kind::linkage;
 use crate::net::{Block, Span};
-use crate::patch::{Draft, Faults, PatchFault};
+use crate::patch::{Draft, Faults, Flaw};
 use engine::id::NetId;
-use miette::LabeledSpan;
 use std::collections::HashMap;
 
 /// Checks a draft; faults are added to those of the stages before.
 pub(crate) fn check(draft: &Draft, faults: &mut Faults) {
     let netlist = &draft.netlist;
     if netlist.blocks.is_empty() && faults.is_empty() {
-        faults.push(Span::default(), |src, at| PatchFault::NoBlocks {
-            src,
-            at,
-            help: "add [blocks] with at least one line, such as x = { kind = \"integrator\", in = [\"-1 * x\"], ic = 1.0 }".into(),
-        });
+        let help = "add [blocks] with at least one line, such as x = { kind = \"integrator\", in = [\"-1 * x\"], ic = 1.0 }";
+        faults.push(Span::default(), Flaw::NoBlocks {}, help);
     }
     for (index, block) in netlist.blocks.iter().enumerate() {
         if !draft.broken[index] {
@@ -41,12 +37,8 @@ fn wiring(block: &Block, draft: &Draft, faults: &mut Faults) {
         expect(wants_logic, input.net, input.span, block, draft, faults);
         if wants_logic && input.coefficient != 1.0 {
             let net = draft.netlist.nets[input.net.index()].name.clone();
-            faults.push(input.span, |src, at| PatchFault::LogicCoefficient {
-                src,
-                at,
-                net,
-                help: "logic is 0 or 1; invert it with a `not` block".into(),
-            });
+            let help = "logic is 0 or 1; invert it with a `not` block";
+            faults.push(input.span, Flaw::LogicCoefficient { net }, help);
         }
     }
     for side in block.kind.component().sides() {
@@ -70,21 +62,15 @@ fn expect(
     }
     let (name, owner) = (net.name.clone(), format!("`{}`", block.name));
     if wants_logic {
-        faults.push(at, |src, at| PatchFault::AnalogForLogic {
-            src,
-            at,
-            help: format!("a `comparator` makes logic of it: {{ kind = \"comparator\", in = [\"{name}\"], threshold = 0.5 }}"),
-            net: name,
-            owner,
-        });
+        let help = format!(
+            "a `comparator` makes logic of it: {{ kind = \"comparator\", in = [\"{name}\"], threshold = 0.5 }}"
+        );
+        faults.push(at, Flaw::AnalogForLogic { net: name, owner }, help);
     } else {
-        faults.push(at, |src, at| PatchFault::LogicForAnalog {
-            src,
-            at,
-            help: format!("a `switch` makes an analog value of it: {{ kind = \"switch\", in = [\"one\", \"zero\"], control = \"{name}\" }}"),
-            net: name,
-            owner,
-        });
+        let help = format!(
+            "a `switch` makes an analog value of it: {{ kind = \"switch\", in = [\"one\", \"zero\"], control = \"{name}\" }}"
+        );
+        faults.push(at, Flaw::LogicForAnalog { net: name, owner }, help);
     }
 }
 
@@ -99,19 +85,8 @@ fn channels(draft: &Draft, faults: &mut Faults) {
             let Some(earlier) = taken.insert((what, number), block.span) else {
                 continue;
             };
-            let is_same_file = earlier.file == block.span.file && earlier != block.span;
-            let start = earlier.start as usize;
-            let length = (earlier.end - earlier.start) as usize;
-            let first = is_same_file.then(|| LabeledSpan::new(None, start, length));
-            faults.push(block.span, |src, at| PatchFault::ChannelTwice {
-                src,
-                at,
-                what,
-                number,
-                first: first.into_iter().collect(),
-                help: "give each block a channel of its own; in a sub-patch make it a parameter"
-                    .into(),
-            });
+            let help = "give each block a channel of its own; in a sub-patch make it a parameter";
+            faults.push_beside(block.span, Flaw::ChannelTwice { what, number }, help, &[earlier]);
             break;
         }
     }

@@ -6,9 +6,8 @@
 //! such order: it is an algebraic loop, and is shown whole.
 
 use crate::net::{Block, Netlist, Span};
-use crate::patch::{Draft, Faults, PatchFault, PatchFaults, Sources};
+use crate::patch::{Draft, Faults, Flaw, PatchFaults, Sources};
 use engine::id::BlockId;
-use miette::LabeledSpan;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
@@ -239,17 +238,7 @@ fn report_loop(component: &[usize], into: &[Vec<Edge>], netlist: &Netlist, fault
     let Some(&at) = spans.iter().min_by_key(|span| (span.file, span.start)) else {
         return;
     };
-    let edges = spans
-        .iter()
-        .take(SHOWN)
-        .filter(|span| span.file == at.file && **span != at)
-        .map(|span| LabeledSpan::new(None, span.start as usize, (span.end - span.start) as usize))
-        .collect();
-    faults.push(at, |src, at| {
-        if is_logic {
-            PatchFault::LogicLoop { src, at, help, cycle: chain, edges }
-        } else {
-            PatchFault::AlgebraicLoop { src, at, help, cycle: chain, edges }
-        }
-    });
+    let cycle = chain;
+    let flaw = if is_logic { Flaw::LogicLoop { cycle } } else { Flaw::AlgebraicLoop { cycle } };
+    faults.push_beside(at, flaw, help, &spans[..spans.len().min(SHOWN)]);
 }

@@ -140,7 +140,6 @@ pub enum ChannelKind {
 /// One channel of the loaded patch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
-    /// Kind of channel.
     pub kind: ChannelKind,
     /// Block name in the patch, by which the digital side finds it.
     pub name: String,
@@ -244,7 +243,6 @@ pub enum Reply {
         /// Every channel of the patch.
         channels: Vec<Channel>,
     },
-    /// Done.
     Done,
     /// Net values in the order asked.
     Values(Vec<f64>),

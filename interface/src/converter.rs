@@ -1,4 +1,4 @@
-//! ADC and DAC as quantisers.
+//! ADC, DAC and digital coefficient unit as quantisers.
 //!
 //! A converter of b bits and full scale F (problem units) has the codes
 //! −2^(b−1) … 2^(b−1)−1 and the least significant bit q = F / 2^(b−1). It rounds
@@ -7,11 +7,11 @@
 //! switches off alone: without bits only the range is limited, without a full
 //! scale the value passes as it is.
 //!
+//! A digital coefficient unit, a held number that multiplies an analog signal, has both ends,
+//! so that a coefficient equal to its range is exact; a real unit falls one LSB short of it.
+//! What lies beyond the range itself is flagged.
+//!
 //! It refuses bits without a full scale: an LSB needs a range.
-
-/// Code of a converter.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Code(pub i32);
 
 /// Largest number of bits; every code and its value are exact in f64.
 pub const MAX_BITS: u32 = 24;
@@ -19,13 +19,10 @@ pub const MAX_BITS: u32 = 24;
 /// Why a converter cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ConverterError {
-    /// Bits out of range.
     #[error("a converter has 2 to {MAX_BITS} bits, not {0}")]
     Bits(u32),
-    /// Full scale not positive and finite.
     #[error("full scale is a positive number, not {0}")]
     FullScale(f64),
-    /// Bits, but no full scale.
     #[error("{0} bits need a full scale; state the block's `max`")]
     NoFullScale(u32),
 }
@@ -33,8 +30,6 @@ pub enum ConverterError {
 /// Result of one conversion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
-    /// Code, unless the bits are switched off.
-    pub code: Option<Code>,
     /// Converted value in the units of the full scale.
     pub value: f64,
     /// The input lay beyond the range and is held at its end.
@@ -44,11 +39,11 @@ pub struct Conversion {
     pub non_finite: bool,
 }
 
-/// An ADC or DAC.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converter {
     bits: Option<u32>,
     full_scale: Option<f64>,
+    has_both_ends: bool,
 }
 
 impl Converter {
@@ -62,13 +57,18 @@ impl Converter {
         match (bits, full_scale) {
             (Some(bits), _) if !(2..=MAX_BITS).contains(&bits) => Err(ConverterError::Bits(bits)),
             (Some(bits), None) => Err(ConverterError::NoFullScale(bits)),
-            _ => Ok(Converter { bits, full_scale }),
+            _ => Ok(Converter { bits, full_scale, has_both_ends: false }),
         }
+    }
+
+    /// A digital coefficient unit, likewise.
+    pub fn coefficient(bits: Option<u32>, range: Option<f64>) -> Result<Converter, ConverterError> {
+        Ok(Converter { has_both_ends: true, ..Converter::new(bits, range)? })
     }
 
     /// Passes every f64 unchanged.
     pub fn ideal() -> Converter {
-        Converter { bits: None, full_scale: None }
+        Converter { bits: None, full_scale: None, has_both_ends: false }
     }
 
     /// Least significant bit in the units of the full scale, unless the bits are off.
@@ -77,39 +77,24 @@ impl Converter {
         Some(scale / half_codes(bits))
     }
 
-    /// Value of a code, unless the bits are off.
-    pub fn value_of(&self, code: Code) -> Option<f64> {
-        let (bits, scale) = self.bits.zip(self.full_scale)?;
-        // One rounding: the quotient is an exact power of two times the code.
-        Some(f64::from(code.0) / half_codes(bits) * scale)
-    }
-
     /// Converts one value.
     pub fn convert(&self, input: f64) -> Conversion {
         let non_finite = !input.is_finite();
         let Some(scale) = self.full_scale else {
-            return Conversion { code: None, value: input, saturated: false, non_finite };
+            return Conversion { value: input, saturated: false, non_finite };
         };
         let input = if input.is_nan() { 0.0 } else { input };
+        let is_beyond = input.abs() > scale;
         let Some(bits) = self.bits else {
-            return Conversion {
-                code: None,
-                value: input.clamp(-scale, scale),
-                saturated: input.abs() > scale,
-                non_finite,
-            };
+            let value = input.clamp(-scale, scale);
+            return Conversion { value, saturated: is_beyond, non_finite };
         };
         let half = half_codes(bits);
-        let (lowest, highest) = (-half, half - 1.0);
+        let highest = if self.has_both_ends { half } else { half - 1.0 };
         let ideal = (input / scale * half).round_ties_even();
-        let held = ideal.clamp(lowest, highest);
-        Conversion {
-            // |held| ≤ 2^23: exact.
-            code: Some(Code(held as i32)),
-            value: held / half * scale,
-            saturated: held != ideal,
-            non_finite,
-        }
+        let held = ideal.clamp(-half, highest);
+        let saturated = if self.has_both_ends { is_beyond } else { held != ideal };
+        Conversion { value: held / half * scale, saturated, non_finite }
     }
 }
 
@@ -140,9 +125,9 @@ mod tests {
             (f64::NEG_INFINITY, -4, true),
         ] {
             let got = converter.convert(input);
-            assert_eq!(got.code, Some(Code(code)), "{input}");
+            // q = 1: a code is its value.
+            assert_eq!(got.value, f64::from(code), "{input}");
             assert_eq!(got.saturated, saturated, "{input}");
-            assert_eq!(Some(got.value), converter.value_of(Code(code)));
             assert_eq!(got.non_finite, input.is_infinite());
         }
         let nan = converter.convert(f64::NAN);
@@ -166,7 +151,36 @@ mod tests {
         }
     }
 
+    #[test]
+    fn both_ends_and_zero_are_exact() {
+        let unit = Converter::coefficient(Some(14), Some(1.0)).unwrap();
+        assert_eq!(unit.lsb(), Some(1.0 / 8192.0));
+        for exact in [-1.0, -0.5, 0.0, 0.25, 1.0] {
+            let set = unit.convert(exact);
+            assert_eq!((set.value, set.saturated), (exact, false));
+        }
+        assert_eq!(unit.convert(1.0 / 3.0).value, 2731.0 / 8192.0);
+        assert!(unit.convert(1.5).saturated);
+        assert_eq!(unit.convert(f64::NEG_INFINITY).value, -1.0);
+        assert!(unit.convert(f64::NAN).non_finite);
+        assert_eq!(Converter::ideal().convert(123.456).value, 123.456);
+        assert!(Converter::coefficient(Some(14), None).is_err());
+        assert!(Converter::coefficient(None, Some(f64::NAN)).is_err());
+    }
+
     proptest! {
+        /// Error ≤ q/2; the allowance is three roundings of values not above the range.
+        #[test]
+        fn a_coefficient_is_off_by_at_most_half_an_lsb(
+            bits in 2_u32..=MAX_BITS, range in 0.1_f64..100.0, x in -1.0_f64..1.0,
+        ) {
+            let unit = Converter::coefficient(Some(bits), Some(range)).unwrap();
+            let set = unit.convert(x * range);
+            let rounding = 3.0 * f64::EPSILON / 2.0 * range;
+            prop_assert!((set.value - x * range).abs() <= unit.lsb().unwrap() / 2.0 + rounding);
+            prop_assert!(!set.saturated);
+        }
+
         /// |error| ≤ q/2 inside the range. The allowance is for the three roundings of
         /// input/F·2^(b−1) and back, each at most 2⁻⁵³ of a value not above F.
         #[test]
@@ -184,7 +198,7 @@ mod tests {
                 prop_assert!((got.value - input).abs() <= lsb / 2.0 + rounding);
             }
             // A converted value converts to itself.
-            prop_assert_eq!(converter.convert(got.value).code, got.code);
+            prop_assert_eq!(converter.convert(got.value).value, got.value);
         }
 
         #[test]

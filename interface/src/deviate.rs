@@ -47,7 +47,6 @@ impl Normal {
         Normal { generator: Xoshiro256PlusPlus::seed_from_u64(seed) }
     }
 
-    /// The next deviate.
     pub fn draw(&mut self) -> f64 {
         let edges = &*EDGES;
         loop {

@@ -148,7 +148,6 @@ pub struct Updates {
 }
 
 impl Samples {
-    /// An empty frame.
     pub fn new(frame: u64, tick: Tick, state: RunState) -> Samples {
         Samples {
             frame,
@@ -197,7 +196,6 @@ impl Samples {
 }
 
 impl Updates {
-    /// An update that changes nothing.
     pub fn new(frame: u64, effective: Tick) -> Updates {
         Updates {
             frame,

@@ -9,8 +9,8 @@
 //! | first order, extrapolating | v_k + (v_k − v_{k−1})/T_k · (t − t_k) | none |
 //! | first order, interpolating | from the present output to v_k in T_k, then v_k | T |
 //!
-//! The first transfer has no forerunner and is held. Settling is an exponential
-//! lag on top, in closed form. Time enters as an argument.
+//! The first transfer has no forerunner and is held. Settling is a lag on top, which the
+//! integrator solves. Time enters as an argument.
 
 use crate::Tick;
 use serde::{Deserialize, Serialize};
@@ -93,38 +93,6 @@ impl Hold {
     }
 }
 
-/// Settling of a DAC: a first-order lag with this time constant, s; zero is off.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Settling {
-    time_constant_s: f64,
-}
-
-impl Settling {
-    /// A lag; a time constant that is not positive and finite counts as off.
-    pub fn new(time_constant_s: f64) -> Settling {
-        let on = time_constant_s.is_finite() && time_constant_s > 0.0;
-        Settling { time_constant_s: if on { time_constant_s } else { 0.0 } }
-    }
-
-    /// The time constant, s; zero when off.
-    pub fn time_constant_s(&self) -> f64 {
-        self.time_constant_s
-    }
-
-    /// Output `elapsed_s` after it was `start`, driven by `value + slope·t`:
-    /// `y = u(t) − bτ + (y0 − a + bτ)·e^(−t/τ)`, the exact solution of τẏ = u − y.
-    pub fn after(&self, start: f64, value: f64, slope: f64, elapsed_s: f64) -> f64 {
-        let tau = self.time_constant_s;
-        let driven = value + slope * elapsed_s;
-        if tau == 0.0 {
-            return driven;
-        }
-        // exp_m1 keeps short times exact: y − y0 is not a difference of large numbers.
-        let rise = -libm::expm1(-elapsed_s / tau);
-        start + (value - start - slope * tau) * rise + slope * elapsed_s
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,22 +136,5 @@ mod tests {
             let piece = hold.transfer(MS, 7.0);
             assert_eq!((piece.value, piece.slope), (7.0, 0.0));
         }
-    }
-
-    #[test]
-    fn settling_solves_its_equation() {
-        let lag = Settling::new(0.01);
-        // A step: 1 − e^(−1) after one time constant, to a few roundings.
-        let step = lag.after(0.0, 1.0, 0.0, 0.01);
-        assert!((step - (1.0 - (-1.0_f64).exp())).abs() < 4.0 * f64::EPSILON);
-        // A ramp settles to a lag of bτ: after 50 τ the rest is e^(−50) < 2e-22.
-        let ramp = lag.after(0.0, 0.0, 2.0, 0.5);
-        assert!((ramp - 2.0 * (0.5 - 0.01)).abs() < 4.0 * f64::EPSILON);
-        // Two steps of time are as good as one.
-        let half = lag.after(0.3, 1.0, 2.0, 0.004);
-        let whole = lag.after(half, 1.0 + 2.0 * 0.004, 2.0, 0.007);
-        assert!((whole - lag.after(0.3, 1.0, 2.0, 0.011)).abs() < 8.0 * f64::EPSILON);
-        assert_eq!(Settling::new(0.0).after(9.0, 1.0, 2.0, 3.0), 7.0);
-        assert_eq!(Settling::new(f64::NAN), Settling::default());
     }
 }

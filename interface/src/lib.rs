@@ -5,9 +5,28 @@
 //! and two links behind one pair of traits ([`link`]).
 // What only the link between processes needs is not dead where that is left out.
 #![cfg_attr(not(feature = "shm"), allow(dead_code, unused_imports))]
+// Names carry their units; what a name says has no sentence beside it.
+#![allow(missing_docs)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
-pub mod coefficient;
+/// An enum whose values have a name each, with `ALL` of them in the order of the list:
+/// `pub enum Side, name { Analog "analog-proc" … }`.
+#[macro_export]
+macro_rules! named {
+    ($(#[$about:meta])* pub enum $type:ident, $name:ident { $($(#[$what:meta])* $value:ident $text:literal)+ }) => {
+        $(#[$about])*
+        pub enum $type { $($(#[$what])* $value,)+ }
+
+        impl $type {
+            pub const ALL: [$type; [$($text),+].len()] = [$($type::$value),+];
+
+            pub fn $name(self) -> &'static str {
+                match self { $($type::$value => $text,)+ }
+            }
+        }
+    };
+}
+
 pub mod control;
 pub mod converter;
 pub mod deviate;

@@ -3,13 +3,12 @@
 //! Every number says where it is from ([`Provenance`]); a number that is absent
 //! is a stage switched off, or a supply without limit. [`Profile::ideal`] has
 //! none. A profile is plain data: what a number does is told where it is used
-//! (converter, coefficient, hold).
+//! (converter, hold).
 
 use crate::{
     Tick,
-    coefficient::CoefficientUnit,
     converter::{Converter, ConverterError},
-    hold::{HoldKind, Settling},
+    hold::HoldKind,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -33,59 +32,46 @@ pub enum Provenance {
 /// A number and where it is from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sourced<T> {
-    /// The number.
     pub value: T,
     /// How far it can be trusted.
     pub status: Provenance,
-    /// Where it is from.
     pub source: String,
 }
 
-macro_rules! classes {
-    ($($class:ident $key:literal $about:literal;)+) => {
-        /// Classes of block of which a machine has a certain number.
-        #[derive(
-            Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-        )]
-        pub enum BlockClass {
-            $(#[doc = $about] $class,)+
-        }
-
-        impl BlockClass {
-            /// Every class, in the order of a table.
-            pub const ALL: &[BlockClass] = &[$(BlockClass::$class),+];
-
-            /// Its key in a profile's `[counts]`, also its name in tables.
-            pub fn key(self) -> &'static str {
-                match self {
-                    $(BlockClass::$class => $key,)+
-                }
-            }
-        }
-    };
+crate::named! {
+    /// Classes of block of which a machine has a certain number, by their keys in a profile's
+    /// `[counts]`, which are also their names in tables.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+    pub enum BlockClass, key {
+        /// Integrators, track/stores included.
+        Integrator "integrators"
+        /// Summers, inverters and other amplifiers that are no integrators.
+        Amplifier "amplifiers"
+        /// Multipliers, dividers, squares and square roots.
+        Multiplier "multipliers"
+        Resolver "resolvers"
+        FunctionGenerator "function-generators"
+        /// Potentiometers set by hand or servo.
+        Potentiometer "potentiometers"
+        Dcu "dcus"
+        /// Digital-to-analog converters, the multiplying ones included.
+        Dac "dacs"
+        /// Multiplying digital-to-analog converters, which count as DACs too.
+        Mdac "mdacs"
+        AdcChannel "adc-channels"
+        /// Comparators and relays.
+        Comparator "comparators"
+        Switch "switches"
+        /// Non-linear diode networks: dead zone, limiter, backlash, friction, abs.
+        DiodeNetwork "diode-networks"
+        /// Gates, flip-flops, one-shots, counters.
+        Logic "logic"
+        SenseLine "sense-lines"
+        ControlLine "control-lines"
+        InterruptLine "interrupt-lines"
+    }
 }
 
-classes! {
-    Integrator "integrators" "Integrators, track/stores included.";
-    Amplifier "amplifiers" "Summers, inverters and other amplifiers that are no integrators.";
-    Multiplier "multipliers" "Multipliers, dividers, squares and square roots.";
-    Resolver "resolvers" "Sine/cosine resolvers.";
-    FunctionGenerator "function-generators" "Function generators of any number of inputs.";
-    Potentiometer "potentiometers" "Potentiometers set by hand or servo.";
-    Dcu "dcus" "Digital coefficient units.";
-    Dac "dacs" "Digital-to-analog converters, the multiplying ones included.";
-    Mdac "mdacs" "Multiplying digital-to-analog converters, which count as DACs too.";
-    AdcChannel "adc-channels" "ADC channels.";
-    Comparator "comparators" "Comparators and relays.";
-    Switch "switches" "Electronic switches.";
-    DiodeNetwork "diode-networks" "Non-linear diode networks: dead zone, limiter, backlash, friction, abs.";
-    Logic "logic" "Gates, flip-flops, one-shots, counters.";
-    SenseLine "sense-lines" "Sense lines.";
-    ControlLine "control-lines" "Control lines.";
-    InterruptLine "interrupt-lines" "Interrupt lines.";
-}
-
-/// Analog-to-digital conversion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AdcStage {
     /// Bits, sign included.
@@ -98,7 +84,6 @@ pub struct AdcStage {
     pub aperture: Option<Sourced<Tick>>,
 }
 
-/// Digital-to-analog conversion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DacStage {
     /// Bits, sign included.
@@ -109,7 +94,6 @@ pub struct DacStage {
     pub hold: Option<Sourced<HoldKind>>,
 }
 
-/// Digital coefficient units.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DcuStage {
     /// Bits, sign included.
@@ -121,9 +105,7 @@ pub struct DcuStage {
 /// The numbers of one machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    /// Name of the profile.
     pub name: String,
-    /// What the profile stands for.
     pub note: String,
     /// Volts of one machine unit.
     pub reference_v: Option<Sourced<f64>>,
@@ -133,11 +115,8 @@ pub struct Profile {
     pub component_error: Option<Sourced<f64>>,
     /// Blocks available by class; a class that is absent has no limit.
     pub counts: BTreeMap<BlockClass, Sourced<u32>>,
-    /// Analog-to-digital conversion.
     pub adc: AdcStage,
-    /// Digital-to-analog conversion.
     pub dac: DacStage,
-    /// Digital coefficient units.
     pub dcu: DcuStage,
     /// Latency of the linkage itself, from the end of the scan to the digital side and back.
     pub latency: Option<Sourced<Tick>>,
@@ -154,11 +133,8 @@ impl Default for Profile {
 /// A class of which a patch needs more than the machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortfall {
-    /// The class.
     pub class: BlockClass,
-    /// Blocks that the patch needs.
     pub needed: u32,
-    /// Blocks that the machine has.
     pub available: u32,
 }
 
@@ -226,11 +202,11 @@ impl Profile {
 
     /// A digital coefficient unit scaled for `range`, or else for the profile's own
     /// range. A profile without bits sets every coefficient exactly.
-    pub fn coefficient_unit(&self, range: Option<f64>) -> Result<CoefficientUnit, ConverterError> {
+    pub fn coefficient_unit(&self, range: Option<f64>) -> Result<Converter, ConverterError> {
         let own = self.dcu.range.as_ref().map(|range| range.value);
         match &self.dcu.bits {
-            Some(bits) => CoefficientUnit::new(Some(bits.value), range.or(own)),
-            None => Ok(CoefficientUnit::ideal()),
+            Some(bits) => Converter::coefficient(Some(bits.value), range.or(own)),
+            None => Ok(Converter::ideal()),
         }
     }
 
@@ -265,9 +241,9 @@ impl Profile {
         self.dac.hold.as_ref().map_or(HoldKind::ZeroOrder, |h| h.value)
     }
 
-    /// Settling of the DACs.
-    pub fn settling(&self) -> Settling {
-        Settling::new(duration(self.dac.settling.as_ref()).secs())
+    /// Time constant of the settling of the DACs; zero is off.
+    pub fn settling(&self) -> Tick {
+        duration(self.dac.settling.as_ref())
     }
 }
 

@@ -17,16 +17,13 @@ pub struct Tick(pub i64);
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is not a duration: {reason}; write for example 100ms, 2.5us or 49s")]
 pub struct TickParseError {
-    /// The text as given.
     pub text: String,
-    /// What is wrong with it.
     pub reason: &'static str,
 }
 
 impl Tick {
     /// The start of problem time.
     pub const ZERO: Tick = Tick(0);
-    /// One second.
     pub const SECOND: Tick = Tick(1_000_000_000);
 
     /// The nearest tick to `seconds`; `None` when not finite or out of range.

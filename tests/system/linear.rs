@@ -1,6 +1,6 @@
 //! The machine's own linear models against the matrices that the study is written with.
 
-use crate::bench_top::with_console;
+use crate::bench_top::{BenchTop, DIGITAL, expect, with_console};
 use digital_proc::{
     linkage::console::Console,
     study::short_period::{
@@ -12,6 +12,7 @@ use digital_proc::{
     },
 };
 use interface::{control::LinearModel, profile::Profile};
+use serde_json::Value;
 use vehicle::{Vehicle, slice};
 
 /// States of a plane in the order of the study's matrix, by block; the tip's is added.
@@ -131,4 +132,28 @@ fn the_yaw_and_roll_loops_fall_apart_into_the_plane_and_the_roll() {
             agree(of("roll_gyro_rate", -1.0), demand * roll.lead, "the tips by its gyro");
         }
     });
+}
+
+/// The mode found in the record of a run, and the pole of the machine's own linear model closed
+/// through the law: neither knows of the other.
+#[test]
+fn a_users_loop_is_measured_as_its_exact_poles_say() {
+    let top = BenchTop::new();
+    let study = concat!(env!("CARGO_MANIFEST_DIR"), "/patch-files/studies/servo-loop.toml");
+    let mut command = top.command(DIGITAL, &["sampling", "loop", study, "--json"]);
+    let output = expect(command.arg("--out").arg(top.runs()), 0);
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = told["tables"]["loop"].as_array().unwrap();
+    assert_eq!(rows.len(), 8);
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap();
+        for (measured, exact) in [("zeta", "zeta_exact"), ("omega_rad_s", "omega_exact_rad_s")] {
+            let (measured, exact) = (number(measured), number(exact));
+            assert!((measured / exact - 1.0).abs() < 1e-9, "{row}");
+        }
+        let frame_s = number("frame_s");
+        let shrinks = (-number("zeta") * number("omega_rad_s") * frame_s).exp();
+        // No mode of this loop is slower than the measured one.
+        assert!((number("spectral_radius") / shrinks - 1.0).abs() < 1e-9, "{row}");
+    }
 }

@@ -85,16 +85,16 @@ fn the_patch_is_the_second_formulation_of_the_partition() {
             reference::fly_partitioned(&vehicle, &case, 2000, 200, held, keep).unwrap();
         });
         for (name, limit, of) in [
-            ("pitch, rad", 1e-5, (|s: &FlightSample| s.pitch_rad) as fn(&FlightSample) -> f64),
+            ("pitch, rad", 1e-5, (|s: &FlightSample| s.angle_rad[0]) as fn(&FlightSample) -> f64),
             ("incidence, rad", 1e-5, |s| s.incidence_rad),
             ("speed, m/s", 1e-3, |s| s.trajectory.speed_mps),
             ("altitude, m", 0.05, |s| s.trajectory.altitude_m),
-            ("yaw, rad", 1e-5, |s| s.yaw_rad),
-            ("roll, rad", 1e-5, |s| s.roll_rad),
-            ("tip 2, rad", 1e-4, |s| s.tip_2_rad),
-            ("tip 4, rad", 1e-4, |s| s.tip_4_rad),
-            ("injection force, N", 5.0, |s| s.tvc_pitch_n),
-            ("injection force in yaw, N", 5.0, |s| s.tvc_yaw_n),
+            ("yaw, rad", 1e-5, |s| s.angle_rad[1]),
+            ("roll, rad", 1e-5, |s| s.angle_rad[2]),
+            ("tip 2, rad", 1e-4, |s| s.tip_rad[1]),
+            ("tip 4, rad", 1e-4, |s| s.tip_rad[2]),
+            ("injection force, N", 5.0, |s| s.tvc_n[0]),
+            ("injection force in yaw, N", 5.0, |s| s.tvc_n[1]),
         ] {
             let (difference, time_s) = worst(&machine, &reference, of);
             let mode = &case.script.name;

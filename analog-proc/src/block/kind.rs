@@ -69,7 +69,7 @@ pub use source::Wave;
 use super::lowering::Lowering;
 use crate::draw::{Pen, number};
 use crate::net::{Block, Input, Level};
-use crate::patch::{Fields, PatchFault};
+use crate::patch::{Fields, Flaw};
 use engine::id::NetId;
 use engine::op::{Op, Slot, Term};
 use interface::control::ChannelKind;

@@ -2,7 +2,7 @@
 
 use crate::net::Netlist;
 use crate::order::Ordered;
-use crate::patch::{Faults, PatchFault, PatchFaults};
+use crate::patch::{Faults, Flaw, PatchFaults};
 use interface::profile::{BlockClass, Profile};
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
     let first_without =
         (0..netlist.blocks.len()).filter(takes).nth(worst.available as usize).unwrap_or(0);
     let mut table = format!("  {:<20} {:>7} {:>10}", "class", "needed", "available");
-    for &class in BlockClass::ALL {
+    for class in BlockClass::ALL {
         let short = shortfalls.iter().find(|s| s.class == class);
         let needed = short.map_or(needs.get(&class).copied().unwrap_or(0), |s| s.needed);
         if needed == 0 {
@@ -48,12 +48,7 @@ pub fn against_profile(ordered: &Ordered, profile: &Profile) -> Result<(), Patch
     }
     let mut faults = Faults::new(ordered.sources().clone(), ordered.root());
     let block = &netlist.blocks[first_without];
-    faults.push(block.span, |src, at| PatchFault::TooManyBlocks {
-        src,
-        at,
-        profile: profile.name.clone(),
-        table,
-        help: "take a larger machine (profile `ideal` has no limit), or save blocks: coefficients on inputs need no pots or gains, and a summer in front of an integrator is the integrator's own".into(),
-    });
+    let help = "take a larger machine (profile `ideal` has no limit), or save blocks: coefficients on inputs need no pots or gains, and a summer in front of an integrator is the integrator's own";
+    faults.push(block.span, Flaw::TooManyBlocks { profile: profile.name.clone(), table }, help);
     faults.into_result()
 }

@@ -24,10 +24,5 @@ use crate::order::Ordered;
 
 /// Draws a patch.
 pub fn svg(ordered: &Ordered) -> String {
-    let netlist = &ordered.netlist;
-    let mut graph = graph::build(ordered);
-    let layout = place::place(&mut graph, netlist);
-    let routes = route::route(&graph, &layout);
-    let columns = columns::columns(&graph, netlist, &layout, &routes);
-    sheet::Sheet::new(ordered, &graph, &layout, &routes, &columns).document().into_string()
+    sheet::Sheet::new(ordered).document().into_string()
 }

@@ -1,13 +1,14 @@
 //! The drawing itself: title, frames, wires, symbols and the texts at their ports.
 //!
-//! Everything has its place already; here it is only turned into SVG, in an order
+//! Everything is given its place first; then it is only turned into SVG, in an order
 //! in which later things lie over earlier ones.
 
-use super::columns::{BORDER, Columns, port_texts, text_width};
-use super::graph::{Graph, Role};
+use super::columns::{self, BORDER, Columns, port_texts, text_width};
+use super::graph::{self, Graph, Role};
 use super::layout::{Item, Layout, Placed};
 use super::pen::{circle, path, rect, round, text};
-use super::route::Routes;
+use super::place;
+use super::route::{self, Routes};
 use super::symbol;
 use crate::net::{Kind, Netlist};
 use crate::order::Ordered;
@@ -17,77 +18,36 @@ use std::collections::BTreeMap;
 /// Room for the title.
 const HEAD: f64 = 56.0;
 
-const STYLE: &str = "
-svg { background: #ffffff; font-family: 'DejaVu Sans', Verdana, Helvetica, Arial, sans-serif; }
-.paper { fill: #ffffff; }
-.body { fill: #f4f7fb; stroke: #1b2a41; stroke-width: 1.6; stroke-linejoin: round; }
-.wire { fill: none; stroke: #33506e; stroke-width: 1.3; }
-.logic { stroke: #a8501c; stroke-dasharray: 5 3; }
-.dot, .tip { fill: #33506e; }
-.dot.logic, .tip.logic { fill: #a8501c; stroke: none; }
-.plot { fill: none; stroke: #1b2a41; stroke-width: 1.6; }
-.axis { fill: none; stroke: #9aa7b8; stroke-width: 0.8; }
-.frame { fill: none; stroke: #7a8799; stroke-width: 1; stroke-dasharray: 7 4; }
-text { fill: #1b2a41; text-anchor: middle; font-size: 11px; }
-.title { font-size: 20px; font-weight: bold; text-anchor: start; }
-.subtitle { font-size: 12px; text-anchor: start; fill: #5c6b7f; }
-.name { font-weight: bold; paint-order: stroke; stroke: #ffffff; stroke-width: 3px; }
-.value { font-size: 10.5px; fill: #0b6b3a; paint-order: stroke; stroke: #ffffff; stroke-width: 3px; }
-.coefficient { font-size: 10.5px; text-anchor: end; fill: #0b5394; paint-order: stroke; stroke: #ffffff; stroke-width: 3px; }
-.tag { font-size: 10.5px; text-anchor: end; font-style: italic; fill: #33506e; }
-.port { font-size: 8.5px; text-anchor: start; fill: #5c6b7f; }
-.frame-name { text-anchor: start; fill: #5c6b7f; font-style: italic; paint-order: stroke; stroke: #ffffff; stroke-width: 3px; }
-.sign { font-size: 22px; }
-.word { font-size: 14px; }
-.tiny { font-size: 10.5px; }
-@media (prefers-color-scheme: dark) {
-  svg { background: #10161f; }
-  .paper { fill: #10161f; }
-  .body { fill: #1c2736; stroke: #d5deea; }
-  .wire { stroke: #8fb4dc; }
-  .logic { stroke: #f0a060; }
-  .dot, .tip { fill: #8fb4dc; }
-  .dot.logic, .tip.logic { fill: #f0a060; }
-  .plot { stroke: #d5deea; }
-  .axis { stroke: #5a6a80; }
-  text { fill: #e6edf5; }
-  .name, .value, .coefficient, .frame-name { stroke: #10161f; }
-  .value { fill: #7fd6a4; }
-  .coefficient { fill: #8ec5ff; }
-  .tag { fill: #8fb4dc; }
-  .subtitle, .port, .frame-name { fill: #9fb0c4; }
-}
-";
+const STYLE: &str = include_str!("sheet.css");
 
 /// A patch that is placed and routed, on its page.
 pub(super) struct Sheet<'a> {
     ordered: &'a Ordered,
     netlist: &'a Netlist,
-    graph: &'a Graph,
-    layout: &'a Layout,
-    routes: &'a Routes,
-    columns: &'a Columns,
+    graph: Graph,
+    layout: Layout,
+    routes: Routes,
+    columns: Columns,
     /// Shift that brings the highest item below the title.
     top: f64,
 }
 
 impl<'a> Sheet<'a> {
-    pub(super) fn new(
-        ordered: &'a Ordered,
-        graph: &'a Graph,
-        layout: &'a Layout,
-        routes: &'a Routes,
-        columns: &'a Columns,
-    ) -> Sheet<'a> {
-        let highest = layout.items.iter().map(|item| item.y - extent(item.item, layout).0);
+    pub(super) fn new(ordered: &'a Ordered) -> Sheet<'a> {
+        let netlist = &ordered.netlist;
+        let mut graph = graph::build(ordered);
+        let layout = place::place(&mut graph, netlist);
+        let routes = route::route(&graph, &layout);
+        let columns = columns::columns(&graph, netlist, &layout, &routes);
+        let highest = layout.items.iter().map(|item| item.y - extent(item.item, &layout).0);
         let highest = highest.fold(f64::INFINITY, f64::min);
         let top = HEAD + BORDER - if highest.is_finite() { highest } else { 0.0 };
-        Sheet { ordered, netlist: &ordered.netlist, graph, layout, routes, columns, top }
+        Sheet { ordered, netlist, graph, layout, routes, columns, top }
     }
 
     /// The whole drawing.
     pub(super) fn document(&self) -> Markup {
-        let bottom = |item: &Placed| item.y + self.top + extent(item.item, self.layout).1;
+        let bottom = |item: &Placed| item.y + self.top + extent(item.item, &self.layout).1;
         let height = self.layout.items.iter().map(bottom).fold(HEAD, f64::max) + BORDER;
         let title = &self.netlist.title;
         let width = f64::max(self.columns.total, 2.0 * BORDER + 1.9 * text_width(title));

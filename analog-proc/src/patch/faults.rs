@@ -1,9 +1,8 @@
 //! Collecting faults, so that one run shows all of them, and showing them.
 
-use super::diagnostic::{PatchFault, Source};
+use super::diagnostic::{Flaw, PatchFault, Source};
 use crate::net::Span;
 use desk::faults::{FileFault, MOST_FAULTS};
-use desk::reader::Fault;
 use interface::control::PatchBundle;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 use std::collections::HashSet;
@@ -98,24 +97,33 @@ impl Faults {
         }
     }
 
-    /// Adds a fault at a place. A sub-patch that is used many times shows each of its faults once.
-    pub(crate) fn push(&mut self, span: Span, make: impl FnOnce(Source, SourceSpan) -> PatchFault) {
+    /// Adds a fault at a place.
+    pub(crate) fn push(&mut self, at: Span, flaw: impl Into<Flaw>, help: impl Into<String>) {
+        self.push_beside(at, flaw, help, &[]);
+    }
+
+    /// The same with further places, of which those in the same file are shown. A sub-patch that is
+    /// used many times shows each of its faults once.
+    pub(crate) fn push_beside(
+        &mut self,
+        span: Span,
+        flaw: impl Into<Flaw>,
+        help: impl Into<String>,
+        beside: &[Span],
+    ) {
         if self.is_full() {
             self.omitted += 1;
             return;
         }
         let (src, at) = self.sources.place(span);
-        let name = src.name().to_owned();
-        let fault = make(src, at);
+        let (flaw, help, name) = (flaw.into(), help.into(), src.name().to_owned());
+        let others = beside.iter().filter(|other| other.file == span.file && **other != span);
+        let beside = others.map(|other| self.sources.place(*other).1).collect();
+        let fault = PatchFault { src, at, flaw, help, beside };
         let key = (fault.code_name(), name, at.offset(), fault.to_string());
         if self.seen.insert(key) {
             self.list.push(fault);
         }
-    }
-
-    /// Adds a fault that other files can have too.
-    pub(crate) fn shared(&mut self, at: Span, fault: Fault, help: String) {
-        self.push(at, |src, at| PatchFault::shared(fault, src, at, help));
     }
 
     /// Counts a fault that is not told.
@@ -141,27 +149,19 @@ impl Faults {
         self.list.is_empty()
     }
 
-    /// Everything found. Only where something was.
-    pub(crate) fn into_faults(self) -> PatchFaults {
-        let root = self.root.clone();
-        match self.into_result() {
-            Err(faults) => faults,
-            Ok(()) => PatchFaults { root, faults: Vec::new(), omitted: 0 },
-        }
-    }
-
-    /// Nothing found, or everything found, in order of file and place.
-    pub(crate) fn into_result(mut self) -> Result<(), PatchFaults> {
-        if self.list.is_empty() {
-            return Ok(());
-        }
+    /// Everything found, in order of file and place. Only where something was.
+    pub(crate) fn into_faults(mut self) -> PatchFaults {
         let files: Vec<String> = self.sources.files.iter().map(|s| s.name().to_owned()).collect();
         let file_index = |fault: &PatchFault| {
-            let name = fault.place().0.name();
+            let name = fault.src.name();
             files.iter().position(|f| f == name).unwrap_or(files.len())
         };
-        self.list.sort_by_cached_key(|fault| (file_index(fault), fault.place().1.offset()));
-        Err(PatchFaults { root: self.root, faults: self.list, omitted: self.omitted })
+        self.list.sort_by_cached_key(|fault| (file_index(fault), fault.at.offset()));
+        PatchFaults { root: self.root, faults: self.list, omitted: self.omitted }
+    }
+
+    pub(crate) fn into_result(self) -> Result<(), PatchFaults> {
+        if self.is_empty() { Ok(()) } else { Err(self.into_faults()) }
     }
 }
 
@@ -186,15 +186,12 @@ impl PatchFaults {
 
     /// The faults without their texts.
     pub fn to_list(&self) -> Vec<FileFault> {
-        let flat = |fault: &PatchFault| {
-            let (source, at) = fault.place();
-            FileFault {
-                code: Some(fault.code_name()),
-                file: source.name().to_owned(),
-                place: Some(place_of(source, at.offset())),
-                fault: fault.to_string(),
-                remedy: fault.remedy().to_owned(),
-            }
+        let flat = |fault: &PatchFault| FileFault {
+            code: Some(fault.code_name()),
+            file: fault.src.name().to_owned(),
+            place: Some(place_of(&fault.src, fault.at.offset())),
+            fault: fault.to_string(),
+            remedy: fault.help.clone(),
         };
         self.faults.iter().map(flat).collect()
     }
@@ -214,7 +211,7 @@ impl PatchFaults {
         let mut out = String::new();
         for fault in &self.faults {
             if handler.render_report(&mut out, fault).is_err() {
-                out.push_str(&format!("{fault}\n  help: {}\n", fault.remedy()));
+                out.push_str(&format!("{fault}\n  help: {}\n", fault.help));
             }
             out.push('\n');
         }

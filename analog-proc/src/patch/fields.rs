@@ -2,14 +2,13 @@
 
 mod nets;
 
-use super::diagnostic::{PatchFault, Source};
+use super::diagnostic::Flaw;
 use super::number;
 use super::resolve::Resolver;
 use crate::block::kind::linkage;
 use crate::net::Span;
 use desk::reader::{self, Board, Entry, Fault, Value};
 use interface::control::ChannelKind;
-use miette::SourceSpan;
 use std::ops::{Deref, DerefMut};
 
 impl Board for Resolver<'_> {
@@ -23,7 +22,7 @@ impl Board for Resolver<'_> {
             },
             _ => help,
         };
-        self.faults.shared(at, fault, help);
+        self.faults.push(at, fault, help);
     }
 
     /// A number, or a product of numbers and the parameters of the scope being read.
@@ -73,13 +72,9 @@ impl<'r, 'a> Fields<'r, 'a> {
     }
 
     /// Tells of a fault at the value of a field, or at the owner where the field is left out.
-    pub(crate) fn fault_at(
-        &mut self,
-        key: &str,
-        make: impl FnOnce(Source, SourceSpan) -> PatchFault,
-    ) {
+    pub(crate) fn fault_at(&mut self, key: &str, flaw: Flaw, help: impl Into<String>) {
         let at = self.place(key).unwrap_or(self.at);
-        self.board.faults.push(at, make);
+        self.board.faults.push(at, flaw, help);
     }
 
     /// A time that problem time resolves, s.
@@ -108,14 +103,8 @@ impl<'r, 'a> Fields<'r, 'a> {
             return Some(first as u32);
         }
         let number = if is_whole { last_used } else { first };
-        self.fault_at(key, |src, at| PatchFault::ChannelOutOfRange {
-            src,
-            at,
-            what,
-            number,
-            last: count as u32 - 1,
-            help: format!("the linkage numbers them 0 to {}", count - 1),
-        });
+        let help = format!("the linkage numbers them 0 to {}", count - 1);
+        self.fault_at(key, Flaw::ChannelOutOfRange { what, number, last: count as u32 - 1 }, help);
         None
     }
 }

@@ -16,6 +16,7 @@ mod settings;
 mod text;
 
 pub use bundle::bundle_from_path;
+pub(crate) use diagnostic::Flaw;
 pub use diagnostic::PatchFault;
 pub use faults::{PatchFaults, Sources};
 pub use scope::{DEEPEST, MOST_BLOCKS};
@@ -32,9 +33,6 @@ use interface::control::PatchBundle;
 use std::collections::HashMap;
 
 /// Compiles a patch. `params` override entries of the root's `[params]`.
-///
-/// # Errors
-/// All faults of the patch.
 pub fn compile(bundle: &PatchBundle, params: &[(String, f64)]) -> Result<Ordered, PatchFaults> {
     let sources = Sources::new(bundle);
     let mut faults = Faults::new(sources.clone(), &bundle.root);
@@ -43,13 +41,9 @@ pub fn compile(bundle: &PatchBundle, params: &[(String, f64)]) -> Result<Ordered
         names.entry(name.as_str()).or_insert(u32::try_from(index).unwrap_or(u32::MAX));
     }
     let Some(&root) = names.get(bundle.root.as_str()) else {
-        faults.push(Span::default(), |src, at| PatchFault::MissingFile {
-            src,
-            at,
-            file: bundle.root.clone(),
-            why: "the bundle does not hold it".into(),
-            help: "a bundle names its root file and holds it".into(),
-        });
+        let (file, why) = (bundle.root.clone(), "the bundle does not hold it".into());
+        let help = "a bundle names its root file and holds it";
+        faults.push(Span::default(), Flaw::MissingFile { file, why }, help);
         return Err(faults.into_faults());
     };
     let texts = parse_reachable(bundle, &names, root, &mut faults);

@@ -4,7 +4,7 @@
 //! that is not finite is refused: neither infinity nor NaN has a meaning on a machine.
 
 use super::coefficient::{FactorValue, Product, parse};
-use super::diagnostic::PatchFault;
+use super::diagnostic::Flaw;
 use super::faults::Faults;
 use crate::net::Span;
 use desk::faults::suggestion;
@@ -15,7 +15,7 @@ use std::collections::HashMap;
 /// Before names are resolved no parameter is known.
 impl Board for Faults {
     fn tell(&mut self, at: Span, fault: Fault, help: String) {
-        self.shared(at, fault, help);
+        self.push(at, fault, help);
     }
 
     fn number(&mut self, field: &str, value: &Value) -> Option<f64> {
@@ -83,7 +83,7 @@ pub(crate) fn part_of(
 
 pub(crate) fn not_finite(field: &str, at: Span, faults: &mut Faults) {
     let help = "use a finite number; infinity and NaN have no place on the patch board";
-    faults.shared(at, Fault::NotFinite { field: field.to_owned() }, help.into());
+    faults.push(at, Fault::NotFinite { field: field.to_owned() }, help);
 }
 
 /// A number, or a product of numbers and parameters in quotes.
@@ -130,25 +130,14 @@ pub(crate) fn bad_coefficient(
     help: &str,
     faults: &mut Faults,
 ) {
-    faults.push(at, |src, at| PatchFault::BadCoefficient {
-        src,
-        at,
-        text: text.to_owned(),
-        why,
-        help: help.to_owned(),
-    });
+    faults.push(at, Flaw::BadCoefficient { text: text.to_owned(), why }, help.to_owned());
 }
 
 fn unknown_param(name: &str, at: Span, params: &HashMap<String, Option<f64>>, faults: &mut Faults) {
     let help = suggestion(name, sorted(params));
-    faults.push(at, |src, at| PatchFault::UnknownParam {
-        src,
-        at,
-        param: name.to_owned(),
-        help: format!(
+    faults.push(at, Flaw::UnknownParam { param: name.to_owned() }, format!(
             "{help}; a parameter may use those above it, and nets cannot be coefficients (a `multiplier` takes two nets)"
-        ),
-    });
+        ));
 }
 
 fn sorted(params: &HashMap<String, Option<f64>>) -> Vec<&str> {

@@ -6,7 +6,7 @@
 
 mod inputs;
 
-use super::diagnostic::PatchFault;
+use super::diagnostic::Flaw;
 use super::faults::Faults;
 use super::fields::Fields;
 use super::scope::{self, Instances, Stub};
@@ -196,12 +196,11 @@ impl<'a> Resolver<'a> {
             match kind::named(word) {
                 None => {
                     let help = suggestion(word, kind::KINDS.iter().map(|(facts, _)| facts.name));
-                    fields.board.faults.push(*word_span, |src, at| PatchFault::UnknownKind {
-                        src,
-                        at,
-                        kind: word.clone(),
+                    fields.board.faults.push(
+                        *word_span,
+                        Flaw::UnknownKind { kind: word.clone() },
                         help,
-                    });
+                    );
                 }
                 Some((facts, read)) => {
                     inputs = inputs_of(&mut fields, facts.inputs, word);
@@ -275,12 +274,8 @@ impl<'a> Resolver<'a> {
             kind::named(word).is_some_and(|(facts, _)| facts.storage == Storage::State)
         });
         if !has {
-            self.faults.push(at, |src, at| PatchFault::NoDerivative {
-                src,
-                at,
-                net: name.to_owned(),
-                help: "integrators, lags, rate limiters and backlashes have derivatives; check the output of other blocks".into(),
-            });
+            let help = "integrators, lags, rate limiters and backlashes have derivatives; check the output of other blocks";
+            self.faults.push(at, Flaw::NoDerivative { net: name.to_owned() }, help);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! own prefix, parameters and port bindings. A sub-patch sees only what it is
 //! given: its parameters and its ports.
 
-use super::diagnostic::PatchFault;
+use super::diagnostic::Flaw;
 use super::faults::Faults;
 use super::number::{not_finite, number};
 use super::text::{PatchText, UseText};
@@ -12,7 +12,6 @@ use crate::net::Span;
 use desk::bundle::join;
 use desk::faults::suggestion;
 use desk::reader::Entry;
-use miette::LabeledSpan;
 use std::collections::{HashMap, HashSet};
 
 /// Most blocks, and most instances, of one patch. The largest hybrid machines had a thousand or two.
@@ -88,12 +87,7 @@ impl Expander<'_> {
             let at = own.or(text.params.first()).map_or(top, |p| p.key_span);
             if own.is_none() {
                 let help = suggestion(name, text.params.iter().map(|p| p.key.as_str()));
-                self.faults.push(at, |src, at| PatchFault::UnknownParam {
-                    src,
-                    at,
-                    param: name.clone(),
-                    help,
-                });
+                self.faults.push(at, Flaw::UnknownParam { param: name.clone() }, help);
             } else if !value.is_finite() {
                 not_finite(name, at, self.faults);
             }
@@ -110,15 +104,10 @@ impl Expander<'_> {
     ) -> HashMap<String, Option<Entry>> {
         for (port, at) in &text.ports {
             let file = self.faults.sources.name(root).to_owned();
-            self.faults.push(*at, |src, at| PatchFault::UnboundPort {
-                src,
-                at,
-                port: port.clone(),
-                help: format!(
-                    "this file is a sub-patch: use it from another patch, with u = {{ patch = \"{file}\", in = {{ {port} = \"NET\" }} }} under [use]"
-                ),
-                file,
-            });
+            let help = format!(
+                "this file is a sub-patch: use it from another patch, with u = {{ patch = \"{file}\", in = {{ {port} = \"NET\" }} }} under [use]"
+            );
+            self.faults.push(*at, Flaw::UnboundPort { port: port.clone(), file }, help);
         }
         let unbound = |(port, _): &(String, Span)| (port.clone(), None);
         text.ports.iter().map(unbound).collect()
@@ -177,13 +166,8 @@ impl Expander<'_> {
     }
 
     fn too_large(&mut self, at: Span, what: &'static str, limit: usize) {
-        self.faults.push(at, |src, at| PatchFault::TooLarge {
-            src,
-            at,
-            what,
-            limit,
-            help: "sub-patches that use sub-patches multiply; check how often each is used".into(),
-        });
+        let help = "sub-patches that use sub-patches multiply; check how often each is used";
+        self.faults.push(at, Flaw::TooLarge { what, limit }, help);
     }
 
     fn use_one(&mut self, scope: usize, instance: &UseText) {
@@ -213,13 +197,8 @@ impl Expander<'_> {
                 "it must be a path relative to this file"
             };
             let help = suggestion(path, self.names.keys().copied());
-            self.faults.push(*at, |src, at| PatchFault::MissingFile {
-                src,
-                at,
-                file: path.clone(),
-                why: why.into(),
-                help: format!("the path is taken from the folder of `{user}`; {help}"),
-            });
+            let help = format!("the path is taken from the folder of `{user}`; {help}");
+            self.faults.push(*at, Flaw::MissingFile { file: path.clone(), why: why.into() }, help);
             return None;
         };
         if let Some(from) = self.stack.iter().position(|f| *f == file) {
@@ -232,12 +211,8 @@ impl Expander<'_> {
                 chain.truncate(1);
                 chain.push("itself".into());
             }
-            self.faults.push(*at, |src, at| PatchFault::RecursiveUse {
-                src,
-                at,
-                chain: chain.join(" → "),
-                help: "a sub-patch is wired in, not called: it cannot contain itself".into(),
-            });
+            let help = "a sub-patch is wired in, not called: it cannot contain itself";
+            self.faults.push(*at, Flaw::RecursiveUse { chain: chain.join(" → ") }, help);
             return None;
         }
         Some(file).filter(|f| self.texts[*f as usize].is_toml)
@@ -252,12 +227,12 @@ impl Expander<'_> {
             if !known.iter().any(|p| p.key == entry.key) {
                 let name = self.faults.sources.name(file).to_owned();
                 let help = suggestion(&entry.key, known.iter().map(|p| p.key.as_str()));
-                self.faults.push(entry.key_span, |src, at| PatchFault::UnknownParam {
-                    src,
-                    at,
-                    param: entry.key.clone(),
-                    help: format!("in `{name}`: {help}"),
-                });
+                let help = format!("in `{name}`: {help}");
+                self.faults.push(
+                    entry.key_span,
+                    Flaw::UnknownParam { param: entry.key.clone() },
+                    help,
+                );
             }
             given.insert(entry.key.clone(), value);
         }
@@ -274,24 +249,21 @@ impl Expander<'_> {
                 continue;
             }
             let help = suggestion(&entry.key, text.ports.iter().map(|(port, _)| port.as_str()));
-            self.faults.push(entry.key_span, |src, at| PatchFault::UnknownPort {
-                src,
-                at,
-                port: entry.key.clone(),
-                file: name.clone(),
+            self.faults.push(
+                entry.key_span,
+                Flaw::UnknownPort { port: entry.key.clone(), file: name.clone() },
                 help,
-            });
+            );
         }
         for (port, _) in &text.ports {
             if !bound.contains_key(port) {
                 bound.insert(port.clone(), None);
-                self.faults.push(instance.span, |src, at| PatchFault::UnboundPort {
-                    src,
-                    at,
-                    port: port.clone(),
-                    file: name.clone(),
-                    help: format!("bind it to a net of this patch: in = {{ {port} = \"NET\" }}"),
-                });
+                let help = format!("bind it to a net of this patch: in = {{ {port} = \"NET\" }}");
+                self.faults.push(
+                    instance.span,
+                    Flaw::UnboundPort { port: port.clone(), file: name.clone() },
+                    help,
+                );
             }
         }
         bound
@@ -306,27 +278,24 @@ impl Expander<'_> {
         let uses = text.uses.iter().map(|u| (u.name.as_str(), u.span));
         let blocks = text.blocks.iter().map(|b| (b.name.as_str(), b.span));
         for (name, at) in ports.chain(uses).chain(blocks) {
-            let label = |first: Span| {
-                let (start, end) = (first.start as usize, first.end as usize);
-                vec![LabeledSpan::new(None, start, end.saturating_sub(start))]
-            };
             if let Some(first) = params.get(name) {
-                self.faults.push(at, |src, at| PatchFault::ParamNetClash {
-                    src,
+                let help = "in `k * x` nobody could tell them apart: rename one";
+                self.faults.push_beside(
                     at,
-                    name: name.to_owned(),
-                    first: label(*first),
-                    help: "in `k * x` nobody could tell them apart: rename one".into(),
-                });
+                    Flaw::ParamNetClash { name: name.to_owned() },
+                    help,
+                    &[*first],
+                );
             }
             if let Some(first) = nets.insert(name, at) {
-                self.faults.push(at, |src, at| PatchFault::DuplicateName {
-                    src,
+                let help =
+                    "ports, sub-patches and blocks of a file share one space of names: rename one";
+                self.faults.push_beside(
                     at,
-                    name: name.to_owned(),
-                    first: label(first),
-                    help: "ports, sub-patches and blocks of a file share one space of names: rename one".into(),
-                });
+                    Flaw::DuplicateName { name: name.to_owned() },
+                    help,
+                    &[first],
+                );
             }
         }
     }

@@ -6,11 +6,10 @@
 //! breed false faults.
 
 use super::coefficient::is_name;
-use super::diagnostic::PatchFault;
+use super::diagnostic::Flaw;
 use super::faults::Faults;
 use crate::net::Span;
 use desk::reader::{Board, Data, Entry, Fields, FileKind, entries, span};
-use miette::LabeledSpan;
 use toml::de::DeTable;
 
 /// One patch file.
@@ -58,12 +57,8 @@ pub(crate) fn parse(file: u32, text: &str, faults: &mut Faults) -> PatchText {
         } else {
             is_toml = false;
             let what = error.message().to_owned();
-            faults.push(at, |src, at| PatchFault::TomlSyntax {
-                src,
-                at,
-                what,
-                help: "each line is `name = value`; a block is `x = { kind = \"integrator\", in = [\"v\"], ic = 1.0 }`; strings stand in quotes".into(),
-            });
+            let help = "each line is `name = value`; a block is `x = { kind = \"integrator\", in = [\"v\"], ic = 1.0 }`; strings stand in quotes";
+            faults.push(at, Flaw::TomlSyntax { what }, help);
         }
     }
     let mut patch = PatchText { is_toml, ..PatchText::default() };
@@ -71,7 +66,7 @@ pub(crate) fn parse(file: u32, text: &str, faults: &mut Faults) -> PatchText {
         let entries = entries(file, document.get_ref());
         if let Some((entry, what, help)) = FileKind::Patch.mistaken(&entries) {
             patch.is_toml = false;
-            faults.push(entry.key_span, |src, at| PatchFault::WrongKind { src, at, what, help });
+            faults.push(entry.key_span, Flaw::WrongKind { what }, help);
         } else {
             let top = span(file, 0..0);
             let mut f = Fields::new(faults, "a patch", top, &entries);
@@ -95,20 +90,15 @@ fn report_duplicate_key(text: &str, at: Span, faults: &mut Faults) {
             .is_some_and(|rest| rest.trim_start_matches('"').trim_start().starts_with(['=', '.']));
         let start = offset + line.len() - key.len();
         if is_same && start < at.start as usize {
-            first.push(LabeledSpan::new(None, start, name.len()));
+            first.push(span(at.file, start..start + name.len()));
             break;
         }
         offset += line.len();
     }
-    faults.push(at, |src, at| PatchFault::DuplicateName {
-        src,
-        at,
-        first,
-        help: format!(
-            "give one of them another name, or remove one; `{name}` can stand for one thing only"
-        ),
-        name,
-    });
+    let help = format!(
+        "give one of them another name, or remove one; `{name}` can stand for one thing only"
+    );
+    faults.push_beside(at, Flaw::DuplicateName { name }, help, &first);
 }
 
 fn sections(f: &mut Fields<'_, Faults>, patch: &mut PatchText) {
@@ -171,11 +161,7 @@ fn block(faults: &mut Faults, entry: Entry) -> BlockText {
 fn check_name(faults: &mut Faults, name: &str, at: Span) {
     if !is_name(name) {
         let name = name.to_owned();
-        faults.push(at, |src, at| PatchFault::InvalidName {
-            src,
-            at,
-            name,
-            help: "names begin with a letter or `_` and go on with letters, digits and `_`; a dot stands only between a sub-patch and its net".into(),
-        });
+        let help = "names begin with a letter or `_` and go on with letters, digits and `_`; a dot stands only between a sub-patch and its net";
+        faults.push(at, Flaw::InvalidName { name }, help);
     }
 }

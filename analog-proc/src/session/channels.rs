@@ -16,7 +16,6 @@ use engine::{
 };
 use interface::{
     Tick,
-    coefficient::CoefficientUnit,
     converter::Converter,
     frame::{Edge, Samples, TRANSFERS_PER_FRAME, Transfer, Updates},
     hold::Hold,
@@ -41,7 +40,7 @@ struct DacChannel {
 #[derive(Clone)]
 struct DcuChannel {
     channel: usize,
-    unit: CoefficientUnit,
+    unit: Converter,
     value: f64,
 }
 
@@ -62,7 +61,7 @@ impl Saturations {
 
     /// The coefficient to which a DCU channel's present value sets it.
     fn set(&mut self, dcu: &DcuChannel) -> f64 {
-        let setting = dcu.unit.set(dcu.value);
+        let setting = dcu.unit.convert(dcu.value);
         self.dcu[dcu.channel / 64] |=
             u64::from(setting.saturated || setting.non_finite) << (dcu.channel % 64);
         setting.value
@@ -180,7 +179,7 @@ impl Channels {
     /// Lets updates take effect at run time `at`, problem time `now_s`.
     pub fn transfer(&mut self, updates: &Updates, at: Tick, simulation: &mut Simulation) {
         let now_s = simulation.now_s();
-        let settling_s = self.profile.settling().time_constant_s();
+        let settling_s = self.profile.settling().secs();
         for dac in &mut self.dac {
             let Some(value) = updates.new_dac(dac.channel) else { continue };
             dac.value = value;
@@ -220,7 +219,7 @@ impl Channels {
     /// Holds the DACs whose interpolation ends at `at`.
     pub fn arrive(&mut self, at: Tick, simulation: &mut Simulation) {
         let now_s = simulation.now_s();
-        let settling_s = self.profile.settling().time_constant_s();
+        let settling_s = self.profile.settling().secs();
         for dac in self.dac.iter().filter(|d| d.hold.piece().end == Some(at)) {
             let value = dac.hold.piece().at(at);
             simulation.set_dac(

@@ -245,24 +245,19 @@ impl<'v> FlightLaw<'v> {
         flow: &Flow,
         airframe: &AirframeCoefficients,
     ) -> FlightSample {
-        let [pitch_rad, yaw_rad, roll_rad] = attitude.angle_rad;
         FlightSample {
             time_s,
             trajectory,
-            pitch_rad,
-            yaw_rad,
-            roll_rad,
+            angle_rad: attitude.angle_rad,
             pitch_command_rad: self.vehicle.pitch_programme().at(time_s).pitch_rad,
             // The true incidence at this instant, whatever path the loop uses.
-            incidence_rad: pitch_rad + trajectory.range_angle_rad - flow.air_path_angle_rad,
-            yaw_incidence_rad: yaw_rad + flow.crosswind_angle_rad,
+            incidence_rad: attitude.angle_rad[0] + trajectory.range_angle_rad
+                - flow.air_path_angle_rad,
+            yaw_incidence_rad: attitude.angle_rad[1] + flow.crosswind_angle_rad,
             mach: airframe.mach,
             dynamic_pressure_pa: airframe.dynamic_pressure_pa,
-            pitch_tips_rad: attitude.tip_rad[0],
-            tip_2_rad: attitude.tip_rad[1],
-            tip_4_rad: attitude.tip_rad[2],
-            tvc_pitch_n: attitude.tvc_n[0],
-            tvc_yaw_n: attitude.tvc_n[1],
+            tip_rad: attitude.tip_rad,
+            tvc_n: attitude.tvc_n,
         }
     }
 }

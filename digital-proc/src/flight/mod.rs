@@ -208,9 +208,6 @@ pub trait Observer {
     fn task(&mut self, _samples: &Samples, _result: &FrameResult, _updates: &mut Updates) {}
 
     /// Every frame that came, also those in which the flight was lost already.
-    ///
-    /// # Errors
-    /// The record cannot be kept, which ends the flight.
     fn told(&mut self, _samples: &Samples) -> Result<(), RunDirError> {
         Ok(())
     }

@@ -10,8 +10,10 @@
 use super::{
     feedback::check_roots,
     identify,
-    table::Table1,
-    theory::alpha::{AlphaLoop, Correction, Delivery, Rotation, Scheme, drift_error},
+    theory::{
+        Refusal,
+        alpha::{AlphaLoop, Correction, Delivery, Rotation, Scheme, drift_error},
+    },
     *,
 };
 use desk::{
@@ -19,6 +21,7 @@ use desk::{
     report::plot::{HeatCell, HeatMap, heat_map},
 };
 use interface::frame::{Samples, Updates};
+use vehicle::table;
 
 /// Where the force and moment tables end, rad.
 const TABLE_END_RAD: f64 = 1.0;
@@ -135,14 +138,20 @@ impl DigitalAngle {
 /// The digital side.
 struct Law {
     case: Case,
-    force: Table1,
-    moment: Table1,
+    force: table::Table,
+    moment: table::Table,
     digital: Option<DigitalAngle>,
     last_error: f64,
     /// Angle and `α_d − α_a` at the slow samples, rad, up to where the angle left the tables.
     record: Vec<f64>,
     errors: Vec<f64>,
     left_table: bool,
+}
+
+/// A straight line through the origin.
+fn line(slope: f64) -> Result<table::Table, Refusal> {
+    let end = slope * TABLE_END_RAD;
+    Ok(table::Table::new(vec![-TABLE_END_RAD, 0.0, TABLE_END_RAD], vec![-end, 0.0, end])?)
 }
 
 impl Law {
@@ -153,8 +162,8 @@ impl Law {
             Scheme::Redundant { slow_frames, gain, delivery, correction } => {
                 let angle = samples.adc[1];
                 self.note_range(angle);
-                updates.set_dac(0, self.moment.value(angle));
-                updates.set_dac(1, self.force.value(angle));
+                updates.set_dac(0, self.moment.lookup(angle).value);
+                updates.set_dac(1, self.force.lookup(angle).value);
                 if samples.frame.is_multiple_of(u64::from(slow_frames)) {
                     let error = self.correction_error(rate, angle, delivery);
                     let over = match correction {
@@ -173,8 +182,8 @@ impl Law {
         let AlphaLoop { rotation, frame_s, .. } = self.case.loop_;
         let digital = self.digital.get_or_insert(DigitalAngle::at(self.case.initial_rad));
         let angle = digital.advance(frame_s);
-        digital.store(rotation.direction * rate + self.force.value(angle));
-        updates.set_dac(0, self.moment.value(angle));
+        digital.store(rotation.direction * rate + self.force.lookup(angle).value);
+        updates.set_dac(0, self.moment.lookup(angle).value);
         self.note_range(angle);
         self.note(angle, 0.0);
     }
@@ -183,7 +192,7 @@ impl Law {
         let digital = self.digital.get_or_insert(DigitalAngle::at(angle));
         let before = digital.angle_rad;
         let now = digital.advance(self.case.slow_s());
-        digital.store(self.case.loop_.rotation.direction * rate + self.force.value(angle));
+        digital.store(self.case.loop_.rotation.direction * rate + self.force.lookup(angle).value);
         let matched = now - angle;
         let error = match delivery {
             Delivery::Prompt => matched,
@@ -196,7 +205,7 @@ impl Law {
     }
 
     fn note_range(&mut self, angle: f64) {
-        self.left_table |= angle.is_nan() || angle.abs() > self.moment.end();
+        self.left_table |= angle.is_nan() || angle.abs() > TABLE_END_RAD;
     }
 
     fn note(&mut self, angle: f64, error: f64) {
@@ -246,8 +255,8 @@ impl Case {
         let plan = RunPlan { params, ..RunPlan::new(patch, frame_s, latency_s, self.stop_s)? };
         let mut law = Law {
             case: *self,
-            force: Table1::line(-r.force_slope, TABLE_END_RAD)?,
-            moment: Table1::line(-r.direction * r.moment_slope, TABLE_END_RAD)?,
+            force: line(-r.force_slope)?,
+            moment: line(-r.direction * r.moment_slope)?,
             digital: None,
             last_error: 0.0,
             record: Vec::new(),
@@ -467,7 +476,6 @@ impl Alpha {
             columns: slow_axis.iter().map(|s| format!("{} ms", s * 1e3)).collect(),
             cells: by_scheme.map(|of| of.iter().map(cell).collect()).collect(),
             scale: None,
-            digits: 2,
         });
         let caption = format!("Damping ratio measured at K = {gain}; cells with a mark diverged.");
         outcome.section("Figures").figure(Figure::new("stability-map", caption, map));

@@ -66,20 +66,17 @@ pub struct AxesOfTranslation {
     offset: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Axes {
-    /// u, w.
-    Body,
-    /// V, γ.
-    FlightPath,
-    /// Howe's: r V_h, ḣ.
-    H,
-}
-
-impl Axes {
-    /// All with their names, in the order of the tables.
-    const ALL: [(Axes, &'static str); 3] =
-        [(Axes::Body, "body"), (Axes::FlightPath, "flight path"), (Axes::H, "H")];
+interface::named! {
+    /// In the order of the tables.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub enum Axes, name {
+        /// u, w.
+        Body "body"
+        /// V, γ.
+        FlightPath "flight path"
+        /// Howe's: r V_h, ḣ.
+        H "H"
+    }
 }
 
 /// One digital step of the attitude's motion.
@@ -96,7 +93,7 @@ struct Case {
 /// One system of axes.
 #[derive(Clone, Copy, Debug)]
 struct Row {
-    axes: (Axes, &'static str),
+    axes: Axes,
     frame_s: f64,
     /// RMS error of γ against the fine run, deg.
     error_deg: f64,
@@ -248,13 +245,13 @@ impl Case {
             ],
             ..RunPlan::new("lab/axes.toml", self.frame_s, 0.0, STOP_S)?
         };
-        let mut states = Axes::ALL.map(|(axes, _)| self.start(axes));
+        let mut states = Axes::ALL.map(|axes| self.start(axes));
         let mut turning = [0.0_f64; 3];
         let mut gammas: Vec<[f64; 3]> = Vec::new();
         machine.run(&plan, &mut |samples, _| {
             let (theta, q) = (samples.adc[0], samples.adc[1]);
             gammas.push(std::array::from_fn(|k| {
-                let (axes, s) = (Axes::ALL[k].0, states[k]);
+                let (axes, s) = (Axes::ALL[k], states[k]);
                 let gamma = Case::gamma(axes, s, theta);
                 let product = match axes {
                     Axes::Body => q * s.0[0],
@@ -275,7 +272,7 @@ impl Case {
         Ok(std::array::from_fn(|k| {
             let axes = Axes::ALL[k];
             let square: f64 = gammas.iter().zip(&truth).map(|(g, t)| (g[k] - t).powi(2)).sum();
-            let theory = if axes.0 == Axes::Body { lag_rms } else { lag_rms * lever };
+            let theory = if axes == Axes::Body { lag_rms } else { lag_rms * lever };
             let error_deg = (square / frames as f64).sqrt().to_degrees();
             Row {
                 axes,
@@ -283,7 +280,7 @@ impl Case {
                 error_deg,
                 theory_deg: theory.to_degrees(),
                 turning_m_s2: turning[k],
-                full_scale_m_s2: self.full_scale(axes.0),
+                full_scale_m_s2: self.full_scale(axes),
                 with_offset_deg: error_deg,
             }
         }))
@@ -320,7 +317,7 @@ impl Experiment for AxesOfTranslation {
         let runs = bench.each(&self.frame, |bench, frame| self.run(bench, frame.secs()))?;
         let mut rows = runs.concat();
         let columns = [
-            Column::new("axes", "", |r: &Row| r.axes.1.into()),
+            Column::new("axes", "", |r: &Row| r.axes.name().into()),
             Column::new("step", "s", |r| r.frame_s.into()),
             Column::new("rms error of gamma", "deg", |r| r.error_deg.into()),
             Column::new("first order", "deg", |r| r.theory_deg.into()),
@@ -345,7 +342,7 @@ impl Experiment for AxesOfTranslation {
         }
         let compared = Axes::ALL.map(|axes| {
             let of = rows.iter().filter(|r| r.axes == axes);
-            Compared::of(axes.1, of.map(|r| (r.frame_s * 1e3, r.theory_deg, r.error_deg)))
+            Compared::of(axes.name(), of.map(|r| (r.frame_s * 1e3, r.theory_deg, r.error_deg)))
         });
         let errors = measured_vs_theory(
             "Error of the flight-path angle",

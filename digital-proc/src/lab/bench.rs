@@ -12,7 +12,7 @@ use crate::linkage::{
 };
 use desk::progress::Progress;
 use interface::{
-    control::{Channel, PatchBundle, RunSpec},
+    control::{Channel, LinearModel, PatchBundle, RunSpec},
     frame::{RunState, Samples, Updates},
     profile::{Profile, Provenance, Sourced},
 };
@@ -127,6 +127,15 @@ impl<'c, 'p> Bench<'c, 'p> {
             }
         })?;
         Ok(Saturated { channels: all.names(self.console.channels()), frames })
+    }
+
+    /// The linear model of what is loaded.
+    pub fn linearise(
+        &mut self,
+        inputs: &[&str],
+        outputs: &[&str],
+    ) -> Result<LinearModel, ConsoleFault> {
+        self.console.linearise(inputs, outputs)
     }
 
     /// Keeps what saturated for the end of the experiment, and reads nets.

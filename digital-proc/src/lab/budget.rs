@@ -257,7 +257,6 @@ impl Budget {
         let skew = self.skew.unwrap_or_else(|| profile.skew());
         let scan = skew * i64::from(channels.saturating_sub(1));
         let latency = || profile.total_latency(channels).max(scan).min(self.frame);
-        let settling = || Tick::from_secs(profile.settling().time_constant_s());
         Ok(Chain {
             latency: self.latency.unwrap_or_else(latency),
             skew,
@@ -265,7 +264,7 @@ impl Budget {
             adc_bits: self.bits.or(profile.adc.bits.as_ref().map(|b| b.value)),
             dac_bits: self.bits.or(profile.dac.bits.as_ref().map(|b| b.value)),
             hold: self.hold.unwrap_or_else(|| profile.hold().into()),
-            settling: self.settling.or_else(settling).unwrap_or(Tick::ZERO),
+            settling: self.settling.unwrap_or_else(|| profile.settling()),
             lead_frames: self.lead,
             ..route.bare(self.frame)
         })

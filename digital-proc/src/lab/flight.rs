@@ -71,24 +71,20 @@ pub struct Flight {
     vehicle: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Partition {
-    /// Redundant analog integrator, five fast frames in T.
-    RedundantAlpha,
-    /// α computed digitally and held.
-    ConventionalAlpha,
-    /// All control laws digital.
-    DigitalControl,
+interface::named! {
+    /// In the order of the tables.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Partition, name {
+        /// Redundant analog integrator, five fast frames in T.
+        RedundantAlpha "redundant α"
+        /// α computed digitally and held.
+        ConventionalAlpha "conventional α"
+        /// All control laws digital.
+        DigitalControl "digital control"
+    }
 }
 
 impl Partition {
-    /// All with their names, in the order of the tables.
-    const ALL: [(Partition, &'static str); 3] = [
-        (Partition::RedundantAlpha, "redundant α"),
-        (Partition::ConventionalAlpha, "conventional α"),
-        (Partition::DigitalControl, "digital control"),
-    ];
-
     /// The stage patch with this machine's blocks in place of the shipped ones.
     fn patch(self) -> PatchBundle {
         let mut bundle = stage_patch();
@@ -200,7 +196,7 @@ impl Observer for Task {
             }
             Partition::DigitalControl => self.control(samples, result, command, updates),
         }
-        let away = (result.sample.pitch_rad - result.sample.pitch_command_rad).abs();
+        let away = (result.sample.angle_rad[0] - result.sample.pitch_command_rad).abs();
         if away > LOST_RAD || away.is_nan() {
             self.flown.lost = true;
             updates.mode = ModeCommand::End as u32;
@@ -211,9 +207,9 @@ impl Observer for Task {
     fn flown(&mut self, samples: &Samples, result: &FrameResult) -> Result<(), RunDirError> {
         let (s, flown) = (&result.sample, &mut self.flown);
         if self.slow.due(samples.frame) {
-            flown.pitch_rad.push(s.pitch_rad);
+            flown.pitch_rad.push(s.angle_rad[0]);
         }
-        let away = (s.pitch_rad - s.pitch_command_rad).abs();
+        let away = (s.angle_rad[0] - s.pitch_command_rad).abs();
         flown.worst_error_rad = flown.worst_error_rad.max(away);
         flown.worst_roll_rad = flown.worst_roll_rad.max(result.attitude.angle_rad[2].abs());
         flown.end_s = s.time_s;
@@ -277,7 +273,7 @@ struct Flown {
 
 /// A machine at one frame, from a flight and a flight with a step.
 struct Row {
-    machine: (Partition, &'static str),
+    machine: Partition,
     frame_s: f64,
     /// Root of the answer to the step, if it oscillates and the flight came so far.
     root: Option<C64>,
@@ -350,12 +346,12 @@ impl Flight {
         &self,
         bench: &mut Bench<'_, '_>,
         flight: (&Vehicle, &FlightCase),
-        machine: (Partition, &'static str),
+        machine: Partition,
         frame: Tick,
     ) -> Result<Row, LabError> {
         let console = bench.console(&stage_patch().root);
-        let flown = self.fly(console, flight, machine.0, frame, 0.0)?;
-        let stepped = self.fly(console, flight, machine.0, frame, STEP_RAD)?;
+        let flown = self.fly(console, flight, machine, frame, 0.0)?;
+        let stepped = self.fly(console, flight, machine, frame, STEP_RAD)?;
         let frame_s = frame.secs();
         let from = (STEP_AT_S / frame_s).ceil() as usize + 1;
         let window = (WINDOW_S / frame_s).ceil() as usize;
@@ -404,7 +400,7 @@ impl Experiment for Flight {
             self.run(bench, (&vehicle, &case), machine, *frame)
         })?;
         let columns = [
-            Column::new("machine", "", |r: &Row| r.machine.1.into()),
+            Column::new("machine", "", |r: &Row| r.machine.name().into()),
             Column::new("frame", "ms", |r| (1e3 * r.frame_s).into()),
             Column::of("zeta", "", 3, |r| r.root.map(damping_ratio).into()),
             Column::of("omega", "rad/s", 3, |r| r.root.map(|s| s.modulus()).into()),
@@ -427,7 +423,7 @@ impl Experiment for Flight {
             let series = Partition::ALL.map(|machine| {
                 let of = rows.iter().filter(|r| r.machine == machine);
                 let points = of.map(|r| (1e3 * r.frame_s, value(r)));
-                Series::of(machine.1, points).draw(Draw::LineAndMarkers)
+                Series::of(machine.name(), points).draw(Draw::LineAndMarkers)
             });
             LineChart::new(title, Axis::new("frame period", "ms").log(), y, series.into())
         };

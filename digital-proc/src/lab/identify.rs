@@ -5,26 +5,9 @@
 
 use super::{
     modal_fit::ModalFit,
-    theory::{C64, equivalent_root, nearest_root},
+    theory::{C64, Refusal, equivalent_root, nearest_root},
 };
 use nalgebra::{ComplexField, DMatrix, Schur};
-
-/// Why nothing could be identified.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum IdentifyError {
-    /// Too few samples.
-    #[error("{found} samples are too few, {needed} are needed")]
-    TooFew { found: usize, needed: usize },
-    /// A sample is infinite or not a number.
-    #[error("sample {index} is {value}: the run diverged or faulted")]
-    NotFinite { index: usize, value: f64 },
-    /// No oscillatory mode in the record.
-    #[error("the record has no oscillatory mode")]
-    NoOscillation,
-    /// A decomposition did not converge.
-    #[error("the decomposition of the record did not converge")]
-    NoConvergence,
-}
 
 /// Phase of `sin` and `cos` correlations `∫y sin ωt dt`, `∫y cos ωt dt` over whole periods, rad.
 pub fn correlated_phase_rad(sine: f64, cosine: f64) -> f64 {
@@ -46,7 +29,7 @@ pub const SHORTEST: usize = 18;
 
 /// Equivalent roots `ln z / T` of every mode above `floor` (relative to the largest singular
 /// value; 1e-9 for a noise-free record, more for a quantised one), by the matrix pencil.
-pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, IdentifyError> {
+pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, Refusal> {
     Ok(factors(samples, floor)?
         .iter()
         .filter(|z| z.modulus() > 1e-9)
@@ -59,13 +42,13 @@ pub fn poles(samples: &[f64], period_s: f64, floor: f64) -> Result<Vec<C64>, Ide
 ///
 /// The Hankel matrix `Y[i][j] = y_{i+j}` of a sum of p exponentials has rank p and its row space
 /// is spanned by Vandermonde rows, whose shift has the z as eigenvalues.
-pub fn factors(samples: &[f64], floor: f64) -> Result<Vec<C64>, IdentifyError> {
+pub fn factors(samples: &[f64], floor: f64) -> Result<Vec<C64>, Refusal> {
     check(samples, SHORTEST)?;
     let y = &samples[..samples.len().min(LONGEST)];
     let columns = (y.len() / 3).clamp(5, 3 * MODES) + 1;
     let rows = y.len() + 1 - columns;
     let hankel = DMatrix::from_fn(rows, columns, |i, j| y[i + j]);
-    let (singular, v) = right_singular_vectors(hankel).ok_or(IdentifyError::NoConvergence)?;
+    let (singular, v) = right_singular_vectors(hankel).ok_or(Refusal::NoDecomposition)?;
     let largest = singular.first().copied().unwrap_or(0.0);
     let keep: Vec<usize> = (0..singular.len())
         .filter(|i| singular[*i] > floor * largest)
@@ -73,7 +56,7 @@ pub fn factors(samples: &[f64], floor: f64) -> Result<Vec<C64>, IdentifyError> {
         .take(MODES.min(columns - 1))
         .collect();
     if keep.is_empty() || largest == 0.0 {
-        return Err(IdentifyError::NoOscillation);
+        return Err(Refusal::NoOscillation);
     }
     // Columns of `first` and `second` are the kept right vectors without last and first entry.
     let first = DMatrix::from_fn(columns - 1, keep.len(), |i, k| v[(i, keep[k])]);
@@ -82,10 +65,10 @@ pub fn factors(samples: &[f64], floor: f64) -> Result<Vec<C64>, IdentifyError> {
     let shift = qr
         .r()
         .solve_upper_triangular(&(qr.q().transpose() * second))
-        .ok_or(IdentifyError::NoConvergence)?;
+        .ok_or(Refusal::NoDecomposition)?;
     let order = keep.len();
     let z = Schur::try_new(shift, f64::EPSILON, 500 * order)
-        .ok_or(IdentifyError::NoConvergence)?
+        .ok_or(Refusal::NoDecomposition)?
         .complex_eigenvalues();
     Ok(z.iter().copied().collect())
 }
@@ -160,19 +143,19 @@ pub fn oscillatory_pole(
     period_s: f64,
     floor: f64,
     near: C64,
-) -> Result<C64, IdentifyError> {
+) -> Result<C64, Refusal> {
     let oscillatory: Vec<C64> =
         poles(samples, period_s, floor)?.into_iter().filter(|s| s.im > 0.0).collect();
-    nearest_root(&oscillatory, near).ok_or(IdentifyError::NoOscillation)
+    nearest_root(&oscillatory, near).ok_or(Refusal::NoOscillation)
 }
 
 /// Refuses fewer than `needed` samples, and what is no number.
-pub(super) fn check(values: &[f64], needed: usize) -> Result<(), IdentifyError> {
+pub(super) fn check(values: &[f64], needed: usize) -> Result<(), Refusal> {
     if values.len() < needed {
-        return Err(IdentifyError::TooFew { found: values.len(), needed });
+        return Err(Refusal::TooFew { found: values.len(), needed });
     }
     match values.iter().position(|v| !v.is_finite()) {
-        Some(index) => Err(IdentifyError::NotFinite { index, value: values[index] }),
+        Some(index) => Err(Refusal::NotFinite { index, value: values[index] }),
         None => Ok(()),
     }
 }
@@ -222,10 +205,10 @@ mod tests {
 
     #[test]
     fn records_that_say_nothing_are_refused() {
-        assert!(matches!(poles(&[1.0; 5], 0.1, 1e-9), Err(IdentifyError::TooFew { .. })));
+        assert!(matches!(poles(&[1.0; 5], 0.1, 1e-9), Err(Refusal::TooFew { .. })));
         let mut y = vec![1.0; 60];
         y[7] = f64::INFINITY;
-        assert!(matches!(poles(&y, 0.1, 1e-9), Err(IdentifyError::NotFinite { index: 7, .. })));
+        assert!(matches!(poles(&y, 0.1, 1e-9), Err(Refusal::NotFinite { index: 7, .. })));
         assert!(poles(&[0.0; 60], 0.1, 1e-9).is_err());
         assert!(oscillatory_pole(&[1.0; 60], 0.1, 1e-9, C64::new(0.0, 1.0)).is_err());
     }

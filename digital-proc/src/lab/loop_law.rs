@@ -1,11 +1,10 @@
 //! Digital laws that a user can state without programming.
 
-use super::{
-    plan::{LabError, require},
-    table::Table1,
-};
+use super::theory::{Refusal, require, sampled_loop::LinearLaw};
 use interface::frame::{Samples, Updates};
+use nalgebra::DMatrix;
 use std::collections::VecDeque;
+use vehicle::table::Table;
 
 /// Longest delay and difference equation, frames.
 const LONGEST: usize = 100_000;
@@ -31,13 +30,14 @@ pub enum Element {
         /// The d values on their way, oldest first.
         line: VecDeque<f64>,
     },
-    /// `y = f(x)`.
-    Table(Table1),
+    /// `y = f(x)`, linear between breakpoints; beyond the ends the end values hold, as in the analog
+    /// function generators.
+    Table(Table),
 }
 
 impl Element {
     /// A delay of `frames`.
-    pub fn delay(frames: u32, gain: f64) -> Result<Element, LabError> {
+    pub fn delay(frames: u32, gain: f64) -> Result<Element, Refusal> {
         require("the gain", gain, true, "finite")?;
         require(
             "the delay",
@@ -49,7 +49,7 @@ impl Element {
     }
 
     /// A difference equation.
-    pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, LabError> {
+    pub fn difference(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Element, Refusal> {
         let leading = denominator.first().copied().unwrap_or(0.0);
         require("the denominator's first coefficient", leading, leading != 0.0, "not zero")?;
         for c in numerator.iter().chain(&denominator) {
@@ -62,6 +62,57 @@ impl Element {
             outputs: VecDeque::from(vec![0.0; denominator.len()]),
             numerator,
             denominator,
+        })
+    }
+
+    /// In state space; none of a table.
+    pub fn linear(&self) -> Option<LinearLaw> {
+        Some(match self {
+            Element::Gain(rows) => {
+                let (outputs, inputs) = (rows.len(), rows.first().map_or(0, Vec::len));
+                LinearLaw {
+                    f: DMatrix::zeros(0, 0),
+                    g: DMatrix::zeros(0, inputs),
+                    h: DMatrix::zeros(outputs, 0),
+                    j: DMatrix::from_fn(outputs, inputs, |i, k| rows[i][k]),
+                }
+            }
+            // Memory: x_{n−1} …, then y_{n−1} …
+            Element::Difference { numerator, denominator, .. } => {
+                let (b, a) = (numerator.len() - 1, denominator.len() - 1);
+                let lead = denominator[0];
+                let of_memory = |k: usize| match k.checked_sub(b) {
+                    None => numerator[k + 1] / lead,
+                    Some(k) => -denominator[k + 1] / lead,
+                };
+                let h = DMatrix::from_fn(1, b + a, |_, k| of_memory(k));
+                let mut f = DMatrix::zeros(b + a, b + a);
+                let mut g = DMatrix::zeros(b + a, 1);
+                let j = DMatrix::from_element(1, 1, numerator[0] / lead);
+                for k in 0..b + a {
+                    match k {
+                        0 if b > 0 => g[(0, 0)] = 1.0,
+                        _ if k == b => {
+                            f.row_mut(k).copy_from(&h.row(0));
+                            g[(k, 0)] = j[(0, 0)];
+                        }
+                        _ => f[(k, k - 1)] = 1.0,
+                    }
+                }
+                LinearLaw { f, g, h, j }
+            }
+            Element::Delay { gain, line } => {
+                let frames = line.len();
+                let one = |value| DMatrix::from_element(1, 1, value);
+                let end = |k: usize, value: f64| if k + 1 == frames { value } else { 0.0 };
+                LinearLaw {
+                    f: DMatrix::from_fn(frames, frames, |i, k| f64::from(u8::from(i == k + 1))),
+                    g: DMatrix::from_fn(frames, 1, |i, _| if i == 0 { *gain } else { 0.0 }),
+                    h: DMatrix::from_fn(1, frames, |_, k| end(k, 1.0)),
+                    j: one(if frames == 0 { *gain } else { 0.0 }),
+                }
+            }
+            Element::Table(_) => return None,
         })
     }
 
@@ -86,7 +137,7 @@ impl Element {
                 line.push_back(*gain * x[0]);
                 y[0] = line.pop_front().unwrap_or(0.0);
             }
-            Element::Table(table) => y[0] = table.value(x[0]),
+            Element::Table(table) => y[0] = table.lookup(x[0]).value,
         }
     }
 }
@@ -139,6 +190,20 @@ mod tests {
             .collect()
     }
 
+    /// The same in state space.
+    fn drive_linear(e: &Element, input: &[f64]) -> Vec<f64> {
+        let law = e.linear().unwrap();
+        let mut w = DMatrix::zeros(law.f.nrows(), 1);
+        input
+            .iter()
+            .map(|x| {
+                let y = (&law.h * &w + &law.j * *x)[(0, 0)];
+                w = &law.f * &w + &law.g * *x;
+                y
+            })
+            .collect()
+    }
+
     #[test]
     fn elements_do_what_they_say() {
         let impulse = [1.0, 0.0, 0.0, 0.0];
@@ -147,6 +212,22 @@ mod tests {
         // 2 y_n − y_{n−1} = x_n + x_{n−1}: y = 1/2, 3/4, 3/8, 3/16, exact in binary.
         let e = Element::difference(vec![1.0, 1.0], vec![2.0, -1.0]).unwrap();
         assert_eq!(drive(e, &impulse), [0.5, 0.75, 0.375, 0.1875]);
+        let e = Element::difference(vec![1.0, 1.0], vec![2.0, -1.0]).unwrap();
+        assert_eq!(drive_linear(&e, &impulse), [0.5, 0.75, 0.375, 0.1875]);
+        // Three of x, three of y, and neither.
+        for (b, a) in [
+            (vec![1.0, -2.0, 0.5], vec![4.0, 1.0, -0.25]),
+            (vec![3.0], vec![1.0, 0.5, 0.25]),
+            (vec![3.0, 2.0, 1.0], vec![-2.0]),
+            (vec![3.0], vec![2.0]),
+        ] {
+            let e = Element::difference(b, a).unwrap();
+            assert_eq!(drive_linear(&e, &impulse), drive(e, &impulse)[..]);
+        }
+        for frames in [0, 1, 3] {
+            let e = Element::delay(frames, 3.0).unwrap();
+            assert_eq!(drive_linear(&e, &impulse), drive(e, &impulse)[..]);
+        }
         assert!(Element::difference(vec![], vec![1.0]).is_err());
         assert!(Element::difference(vec![1.0], vec![]).is_err());
         assert!(Element::delay(u32::MAX, 1.0).is_err());

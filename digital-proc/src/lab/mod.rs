@@ -22,7 +22,6 @@ pub mod noise;
 mod plan;
 pub mod root;
 pub mod skew;
-mod table;
 mod theory;
 
 /// The list of experiments: the name of the command, and where its type is.
@@ -57,9 +56,9 @@ use desk::{
 };
 use interface::Tick;
 use nalgebra::ComplexField;
-use plan::{LabError, Machine, RunPlan, lock_step, require, require_latency};
+use plan::{LabError, Machine, RunPlan, lock_step, require_latency};
 use std::f64::consts::TAU;
-use theory::{C64, damping_ratio, hold::Hold};
+use theory::{C64, damping_ratio, hold::Hold, require};
 
 /// A measurement with its theory. Its doc comment is the help of its command, its fields are
 /// the settings.

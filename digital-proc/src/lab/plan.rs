@@ -1,7 +1,7 @@
 //! What one run of an experiment asks of a machine.
 
-use super::theory::{TheoryError, hold::Hold};
-use crate::{flight::FlightFault, lab::identify::IdentifyError, linkage::console::ConsoleFault};
+use super::theory::{Refusal, hold::Hold, require};
+use crate::{flight::FlightFault, linkage::console::ConsoleFault};
 use desk::{failure::Failure, faults::FileFaults};
 use interface::{
     Tick,
@@ -32,7 +32,7 @@ impl RunPlan {
         frame_s: f64,
         latency_s: f64,
         stop_s: f64,
-    ) -> Result<RunPlan, LabError> {
+    ) -> Result<RunPlan, Refusal> {
         let frame = tick("the frame", frame_s)?;
         let (latency, stop) = (tick("the latency", latency_s)?, tick("the stop time", stop_s)?);
         let spec = lock_step(frame, latency, Tick::ZERO, stop);
@@ -60,15 +60,8 @@ pub trait Machine {
 /// Why an experiment gave no row.
 #[derive(Debug, thiserror::Error)]
 pub enum LabError {
-    /// A setting is out of range.
-    #[error("{what} is {value}; it must be {range}")]
-    Setting { what: &'static str, value: f64, range: &'static str },
-    /// No theory for this setting.
     #[error(transparent)]
-    Theory(#[from] TheoryError),
-    /// The record says nothing.
-    #[error(transparent)]
-    Identify(#[from] IdentifyError),
+    Refused(#[from] Refusal),
     /// The machine or its link.
     #[error(transparent)]
     Console(#[from] ConsoleFault),
@@ -92,25 +85,13 @@ impl From<LabError> for Failure {
 }
 
 /// Seconds as a tick, refused when out of range.
-pub(super) fn tick(what: &'static str, seconds: f64) -> Result<Tick, LabError> {
-    Tick::from_secs(seconds).filter(|t| t.0 >= 0).ok_or(LabError::Setting {
-        what,
-        value: seconds,
-        range: "a duration of 0 to 292 years",
-    })
-}
-
-/// Refuses `value` unless `ok`.
-pub(super) fn require(
-    what: &'static str,
-    value: f64,
-    ok: bool,
-    range: &'static str,
-) -> Result<(), LabError> {
-    if ok && value.is_finite() { Ok(()) } else { Err(LabError::Setting { what, value, range }) }
+pub(super) fn tick(what: &'static str, seconds: f64) -> Result<Tick, Refusal> {
+    let range = "a duration of 0 to 292 years";
+    let tick = Tick::from_secs(seconds).filter(|t| t.0 >= 0);
+    tick.ok_or(Refusal::Setting { what, value: seconds, range })
 }
 
 /// Refuses a latency, in frames, beyond one.
-pub(super) fn require_latency(frames: f64) -> Result<(), LabError> {
+pub(super) fn require_latency(frames: f64) -> Result<f64, Refusal> {
     require("the latency", frames, (0.0..=1.0).contains(&frames), "0 to 1 frame")
 }

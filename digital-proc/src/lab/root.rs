@@ -36,34 +36,26 @@ pub struct Root {
     latency: Vec<f64>,
 }
 
-/// What is done against the delay.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Compensation {
-    /// Zero-order hold, no prediction.
-    None,
-    /// `r + ½(r_n − r_{n−1})` before a zero-order hold.
-    HalfFrame,
-    /// First-order extrapolating DAC.
-    ExtrapolatingDac,
-    /// Lead of ½ + τ/T frames before a zero-order hold.
-    Lead,
-}
-
-impl Compensation {
-    /// All with their names, in the order of the tables.
-    const ALL: [(Compensation, &'static str); 4] = [
-        (Compensation::None, "none"),
-        (Compensation::HalfFrame, "half-frame prediction"),
-        (Compensation::ExtrapolatingDac, "extrapolating DAC"),
-        (Compensation::Lead, "lead"),
-    ];
+interface::named! {
+    /// What is done against the delay, in the order of the tables.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub enum Compensation, name {
+        /// Zero-order hold, no prediction.
+        None "none"
+        /// `r + ½(r_n − r_{n−1})` before a zero-order hold.
+        HalfFrame "half-frame prediction"
+        /// First-order extrapolating DAC.
+        ExtrapolatingDac "extrapolating DAC"
+        /// Lead of ½ + τ/T frames before a zero-order hold.
+        Lead "lead"
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Case {
     omega0_rad_s: f64,
     zeta: f64,
-    compensation: (Compensation, &'static str),
+    compensation: Compensation,
     latency_frames: f64,
     frame_s: f64,
 }
@@ -79,7 +71,7 @@ struct Row {
 
 impl Case {
     fn theory(&self) -> FeedbackLoop {
-        let (lead, hold) = match self.compensation.0 {
+        let (lead, hold) = match self.compensation {
             Compensation::None => (0.0, Hold::ZeroOrder),
             Compensation::HalfFrame => (0.5, Hold::ZeroOrder),
             Compensation::ExtrapolatingDac => (0.0, Hold::Extrapolating),
@@ -112,12 +104,7 @@ impl Case {
 }
 
 impl Root {
-    fn case(
-        &self,
-        compensation: (Compensation, &'static str),
-        latency_frames: f64,
-        frame_s: f64,
-    ) -> Case {
+    fn case(&self, compensation: Compensation, latency_frames: f64, frame_s: f64) -> Case {
         let (omega0_rad_s, zeta) = (self.omega, self.zeta);
         Case { omega0_rad_s, zeta, compensation, latency_frames, frame_s }
     }
@@ -145,7 +132,7 @@ impl Experiment for Root {
         let pairs: Vec<_> = rows.iter().map(|r| (r.measured, r.exact)).collect();
         check_roots(outcome, "the exact eigenvalues", &pairs);
         let columns = [
-            Column::new("compensation", "", |r: &Row| r.case.compensation.1.into()),
+            Column::new("compensation", "", |r: &Row| r.case.compensation.name().into()),
             Column::new("latency", "frames", |r| r.case.latency_frames.into()),
             Column::new("frame", "s", |r| r.case.frame_s.into()),
             Column::of("zeta measured", "", 6, |r| damping_ratio(r.measured).into()),
@@ -161,7 +148,7 @@ impl Experiment for Root {
         let ids = ["damping-first-latency", "damping-last-latency"];
         for (id, latency) in ids.into_iter().zip(ends(&self.latency)) {
             let compared = Compensation::ALL.map(|of| Compared {
-                name: of.1.to_owned(),
+                name: of.name().to_owned(),
                 theory: (1..=POINTS)
                     .filter_map(|i| {
                         let frame_s = longest * f64::from(i) / f64::from(POINTS);

@@ -5,7 +5,7 @@ use desk::{
     outcome::{Figure, Outcome},
     report::{
         Cell, Column, Summary, Table,
-        plot::{Axis, Histogram, Size, histogram},
+        plot::{Axis, histogram},
     },
 };
 use interface::Tick;
@@ -26,14 +26,8 @@ fn microseconds(tick: Tick) -> f64 {
 pub fn tell(pacing: &Pacing, outcome: &mut Outcome) {
     add_results(pacing, &mut outcome.results);
     let values = pacing.latencies().iter().map(|t| microseconds(*t).max(1.0));
-    let chart = histogram(&Histogram {
-        title: String::new(),
-        x: Axis::new("Latency from sample to transfer", "µs").log(),
-        values: values.collect(),
-        bins: BINS,
-        log_counts: true,
-        size: Size::FULL,
-    });
+    let x = Axis::new("Latency from sample to transfer", "µs").log();
+    let chart = histogram(&x, values, BINS);
     let caption = "How long updates took to come back, by the wall clock.";
     let section = outcome.section("Pacing by the wall clock");
     let section = section.words(bars(pacing)).figure(Figure::new("latency", caption, chart));

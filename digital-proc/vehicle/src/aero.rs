@@ -20,38 +20,27 @@ pub struct AeroCoefficients {
     pub edge: Edge,
 }
 
-/// The five tables.
+/// The five tables, in the order of [`AeroCoefficients`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct AeroTables {
-    axial: Table,
-    body_slope: Table,
-    body_x_m: Table,
-    fin_slope: Table,
-    tip_slope: Table,
-}
+pub struct AeroTables([Table; 5]);
 
 impl AeroTables {
     pub(crate) fn new(data: &Aero) -> Result<Self, TableError> {
         let table = |values: &Vec<f64>| Table::new(data.mach.clone(), values.clone());
-        Ok(Self {
-            axial: table(&data.axial)?,
-            body_slope: table(&data.body_slope)?,
-            body_x_m: table(&data.body_x_m)?,
-            fin_slope: table(&data.fin_slope)?,
-            tip_slope: table(&data.tip_slope)?,
-        })
+        Ok(Self([
+            table(&data.axial)?,
+            table(&data.body_slope)?,
+            table(&data.body_x_m)?,
+            table(&data.fin_slope)?,
+            table(&data.tip_slope)?,
+        ]))
     }
 
     /// All coefficients at a Mach number.
     pub fn at(&self, mach: f64) -> AeroCoefficients {
-        let axial = self.axial.lookup(mach);
-        AeroCoefficients {
-            axial: axial.value,
-            body_slope: self.body_slope.lookup(mach).value,
-            body_x_m: self.body_x_m.lookup(mach).value,
-            fin_slope: self.fin_slope.lookup(mach).value,
-            tip_slope: self.tip_slope.lookup(mach).value,
-            edge: axial.edge,
-        }
+        let found = self.0.each_ref().map(|table| table.lookup(mach));
+        let [axial, body_slope, body_x_m, fin_slope, tip_slope] = found.map(|lookup| lookup.value);
+        let edge = found[0].edge;
+        AeroCoefficients { axial, body_slope, body_x_m, fin_slope, tip_slope, edge }
     }
 }

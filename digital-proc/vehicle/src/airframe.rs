@@ -57,7 +57,6 @@ pub struct AirframeCoefficients {
     pub nozzle_unfilled: bool,
     /// Q, Pa.
     pub dynamic_pressure_pa: f64,
-    /// Mach number.
     pub mach: f64,
     /// V_a, m/s.
     pub airspeed_mps: f64,
@@ -84,7 +83,6 @@ pub struct AirframeCoefficients {
     /// Moment of the 3σ thrust misalignment and offset, N·m, to be multiplied
     /// by the fraction of it that a case assumes.
     pub misalignment_moment_nm: f64,
-    /// Table edges met.
     pub edges: EdgeRecord,
 }
 

@@ -12,9 +12,7 @@
 
 use std::sync::LazyLock;
 
-/// Lowest geometric altitude, m.
 pub const LOWEST_ALTITUDE_M: f64 = -5_000.0;
-/// Highest geometric altitude, m.
 pub const HIGHEST_ALTITUDE_M: f64 = 86_000.0;
 
 /// Effective Earth radius of the standard, m (45° latitude).
@@ -27,7 +25,6 @@ const MOLAR_MASS_KGPMOL: f64 = 28.9644e-3;
 const GAS_CONSTANT_JPMOLK: f64 = 8.314_32;
 /// Ratio of specific heats.
 const HEAT_RATIO: f64 = 1.40;
-/// Sea-level pressure, Pa.
 pub const SEA_LEVEL_PRESSURE_PA: f64 = 101_325.0;
 /// Sea-level temperature, K.
 const SEA_LEVEL_TEMPERATURE_K: f64 = 288.15;
@@ -48,11 +45,9 @@ const LAYERS: [(f64, f64); 7] = [
 pub struct Air {
     /// Molecular-scale temperature, K.
     pub temperature_k: f64,
-    /// Pressure, Pa.
     pub pressure_pa: f64,
     /// Density, kg/m³.
     pub density_kgpm3: f64,
-    /// Speed of sound, m/s.
     pub speed_of_sound_mps: f64,
 }
 
@@ -62,7 +57,6 @@ pub struct Air {
     "altitude {altitude_m} m is outside the standard atmosphere ({LOWEST_ALTITUDE_M} to {HIGHEST_ALTITUDE_M} m)"
 )]
 pub struct AtmosphereError {
-    /// The geometric altitude asked for, m.
     pub altitude_m: f64,
 }
 

@@ -204,7 +204,6 @@ table! { "`[derived]`: a published table of what follows from the rest; shape `[
 /// One rigid component of the layout: `[name, mass kg, x m, rod length m]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Component(
-    /// Name.
     pub String,
     /// Mass, kg.
     pub f64,

@@ -10,7 +10,6 @@ use desk::faults::{FileFaults, Source, suggestion};
 use desk::reader::{self, FileKind, SheetFields};
 use std::{path::Path, sync::LazyLock};
 
-/// Text of the shipped failure file.
 pub const SHIPPED_TEXT: &str = include_str!("../../data/failures.toml");
 /// Name under which its faults are reported.
 pub const SHIPPED_NAME: &str = "the shipped failure file";
@@ -34,12 +33,10 @@ static SHIPPED: LazyLock<FailureFile> = LazyLock::new(|| {
 });
 
 impl FailureFile {
-    /// The shipped file.
     pub fn shipped() -> &'static FailureFile {
         &SHIPPED
     }
 
-    /// Reads a user's file.
     pub fn load(path: &Path) -> Result<FailureFile, FileFaults> {
         reader::load(path, FailureFile::from_toml)
     }
@@ -55,7 +52,6 @@ impl FailureFile {
         Ok(FailureFile { file: file.to_owned(), modes })
     }
 
-    /// The mode of a name.
     pub fn mode(&self, name: &str) -> Result<&FlightScript, FileFaults> {
         let found = self.modes.iter().find(|mode| mode.name == name);
         found.ok_or_else(|| {

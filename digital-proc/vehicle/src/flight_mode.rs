@@ -12,52 +12,27 @@
 use crate::Vehicle;
 use crate::gain_schedule::LoopGains;
 
-/// A mode of the shipped failure file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum FlightMode {
-    /// (i) Everything works.
-    Normal,
-    /// (ii) Roll gain zero.
-    RollLost,
-    /// (iii) Pitch tips at half effectiveness and tip 4 dead.
-    TipsDead,
-    /// (iii), only the pitch tips at half effectiveness.
-    PitchTipsHalf,
-    /// (iii), only tip 4 dead.
-    TipFourDead,
-    /// (iv) FTC gain zero in pitch and yaw; roll kept.
-    FtcElectronics,
-    /// (v) Sequencer stuck at its state of 17.5 s.
-    SequencerStuck,
-    /// (vi) The schedule with fewer switchings.
-    ReducedSchedule,
-}
-
-impl FlightMode {
-    /// All modes, in the paper's order.
-    pub const ALL: [Self; 8] = [
-        Self::Normal,
-        Self::RollLost,
-        Self::TipsDead,
-        Self::PitchTipsHalf,
-        Self::TipFourDead,
-        Self::FtcElectronics,
-        Self::SequencerStuck,
-        Self::ReducedSchedule,
-    ];
-
-    /// Name on the command line, in the failure file and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::RollLost => "roll-lost",
-            Self::TipsDead => "tips-dead",
-            Self::PitchTipsHalf => "pitch-tips-half",
-            Self::TipFourDead => "tip-four-dead",
-            Self::FtcElectronics => "ftc-electronics",
-            Self::SequencerStuck => "sequencer-stuck",
-            Self::ReducedSchedule => "reduced-schedule",
-        }
+interface::named! {
+    /// A mode of the shipped failure file, in the paper's order, by its name on the command line,
+    /// in the failure file and in reports.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum FlightMode, name {
+        /// (i) Everything works.
+        Normal "normal"
+        /// (ii) Roll gain zero.
+        RollLost "roll-lost"
+        /// (iii) Pitch tips at half effectiveness and tip 4 dead.
+        TipsDead "tips-dead"
+        /// (iii), only the pitch tips at half effectiveness.
+        PitchTipsHalf "pitch-tips-half"
+        /// (iii), only tip 4 dead.
+        TipFourDead "tip-four-dead"
+        /// (iv) FTC gain zero in pitch and yaw; roll kept.
+        FtcElectronics "ftc-electronics"
+        /// (v) Sequencer stuck at its state of 17.5 s.
+        SequencerStuck "sequencer-stuck"
+        /// (vi) The schedule with fewer switchings.
+        ReducedSchedule "reduced-schedule"
     }
 }
 
@@ -65,13 +40,11 @@ impl FlightMode {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct FlightScript {
-    /// Name.
     pub name: String,
     /// The paper's words for it, or the author's.
     pub text: String,
     /// The schedule that the sequencer runs through.
     pub schedule: Schedule,
-    /// What happens, in order of time.
     pub actions: Vec<Action>,
 }
 
@@ -91,7 +64,6 @@ pub enum Schedule {
 pub struct Action {
     /// Flight time from which it acts, s.
     pub at_s: f64,
-    /// What it does.
     pub effect: Effect,
 }
 
@@ -107,41 +79,19 @@ pub enum Effect {
     RunSequencer,
 }
 
-/// A part of the control system that an action may weaken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Part {
-    /// Gain of the roll loop.
-    RollGain,
-    /// FTC gain in pitch.
-    FtcPitch,
-    /// FTC gain in yaw.
-    FtcYaw,
-    /// TVC gain in pitch.
-    TvcPitch,
-    /// TVC gain in yaw.
-    TvcYaw,
-    /// Effectiveness of the pitch pair of tips.
-    PitchTips,
-    /// Effectiveness of tip 2.
-    Tip2,
-    /// Effectiveness of tip 4.
-    Tip4,
-}
-
-impl Part {
-    /// In words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Part::RollGain => "roll gain",
-            Part::FtcPitch => "FTC gain in pitch",
-            Part::FtcYaw => "FTC gain in yaw",
-            Part::TvcPitch => "TVC gain in pitch",
-            Part::TvcYaw => "TVC gain in yaw",
-            Part::PitchTips => "pitch tips",
-            Part::Tip2 => "tip 2",
-            Part::Tip4 => "tip 4",
-        }
+interface::named! {
+    /// A part of the control system that an action may weaken.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Part, words {
+        RollGain "roll gain"
+        FtcPitch "FTC gain in pitch"
+        FtcYaw "FTC gain in yaw"
+        TvcPitch "TVC gain in pitch"
+        TvcYaw "TVC gain in yaw"
+        PitchTips "pitch tips"
+        Tip2 "tip 2"
+        Tip4 "tip 4"
     }
 }
 
@@ -172,9 +122,7 @@ pub struct ControlSettings {
     pub roll_lead_s: f64,
     /// Effectiveness of the pitch pair, 1 when sound.
     pub pitch_tips_effectiveness: f64,
-    /// Effectiveness of tip 2.
     pub tip_2_effectiveness: f64,
-    /// Effectiveness of tip 4.
     pub tip_4_effectiveness: f64,
 }
 

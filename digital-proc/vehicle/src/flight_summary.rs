@@ -12,36 +12,24 @@ use crate::{STANDARD_GRAVITY_MPS2, Vehicle};
 /// The variables that the paper monitors (§4.2), and those behind them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlightSample {
-    /// Flight time, s.
     pub time_s: f64,
     /// Speed, flight-path angle, altitude, range angle.
     pub trajectory: TrajectoryState,
-    /// θ, rad.
-    pub pitch_rad: f64,
-    /// ψ, rad.
-    pub yaw_rad: f64,
-    /// φ, rad.
-    pub roll_rad: f64,
+    /// θ, ψ, φ, rad.
+    pub angle_rad: [f64; 3],
     /// θ_c, rad.
     pub pitch_command_rad: f64,
     /// α, rad.
     pub incidence_rad: f64,
     /// α_y, rad.
     pub yaw_incidence_rad: f64,
-    /// Mach number.
     pub mach: f64,
     /// Q, Pa.
     pub dynamic_pressure_pa: f64,
-    /// Deflection of the pitch tips, rad.
-    pub pitch_tips_rad: f64,
-    /// Deflection of tip 2, rad.
-    pub tip_2_rad: f64,
-    /// Deflection of tip 4, rad.
-    pub tip_4_rad: f64,
-    /// TVC force in pitch, N.
-    pub tvc_pitch_n: f64,
-    /// TVC force in yaw, N.
-    pub tvc_yaw_n: f64,
+    /// Deflection of the pitch tips, of tip 2 and of tip 4, rad.
+    pub tip_rad: [f64; 3],
+    /// TVC force in pitch and yaw, N.
+    pub tvc_n: [f64; 2],
 }
 
 impl FlightSample {
@@ -49,18 +37,19 @@ impl FlightSample {
     pub fn q_alpha_padeg(&self) -> f64 {
         self.dynamic_pressure_pa * self.incidence_rad.to_degrees()
     }
+
+    fn peak(&self, value: f64) -> Peak {
+        let FlightSample { time_s, mach, trajectory, .. } = *self;
+        Peak { value, time_s, mach, altitude_m: trajectory.altitude_m }
+    }
 }
 
 /// A peak and where it occurred.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
-    /// The peak's value.
     pub value: f64,
-    /// Flight time, s.
     pub time_s: f64,
-    /// Mach number there.
     pub mach: f64,
-    /// Altitude there, m.
     pub altitude_m: f64,
 }
 
@@ -71,9 +60,7 @@ pub struct FlightSummary {
     pub max_dynamic_pressure: Peak,
     /// Largest |Qα| from the take-over of the fin tips on, Pa·deg.
     pub max_q_alpha: Peak,
-    /// Last trajectory state.
     pub end: TrajectoryState,
-    /// Time of the last sample, s.
     pub end_time_s: f64,
     /// Range over the ground at the end, m.
     pub range_m: f64,
@@ -83,9 +70,7 @@ pub struct FlightSummary {
     pub tvc_pitch_impulse_ns: f64,
     /// ∫|F_T| dt in yaw, N·s.
     pub tvc_yaw_impulse_ns: f64,
-    /// Injectant used, kg.
     pub injectant_kg: f64,
-    /// Table edges met.
     pub edges: EdgeRecord,
 }
 
@@ -104,7 +89,6 @@ pub struct FlightMonitor {
 }
 
 impl FlightMonitor {
-    /// Starts before the first sample.
     pub fn new(vehicle: &Vehicle) -> Self {
         let data = vehicle.data();
         Self {
@@ -124,26 +108,21 @@ impl FlightMonitor {
     /// is the trapezoid sum over the samples.
     pub fn observe(&mut self, sample: &FlightSample, edges: EdgeRecord) {
         self.edges.merge(edges);
-        let peak = |value| Peak {
-            value,
-            time_s: sample.time_s,
-            mach: sample.mach,
-            altitude_m: sample.trajectory.altitude_m,
-        };
         let keep = |held: &mut Option<Peak>, value: f64| {
             if held.is_none_or(|h| value > h.value) {
-                *held = Some(peak(value));
+                *held = Some(sample.peak(value));
             }
         };
         keep(&mut self.max_dynamic_pressure, sample.dynamic_pressure_pa);
         if sample.time_s >= self.judged_from_s {
             keep(&mut self.max_q_alpha, sample.q_alpha_padeg().abs());
         }
-        self.max_roll_rad = self.max_roll_rad.max(sample.roll_rad.abs());
+        self.max_roll_rad = self.max_roll_rad.max(sample.angle_rad[2].abs());
         if let Some(last) = self.last {
             let half_s = 0.5 * (sample.time_s - last.time_s);
-            self.tvc_impulse_ns[0] += half_s * (last.tvc_pitch_n.abs() + sample.tvc_pitch_n.abs());
-            self.tvc_impulse_ns[1] += half_s * (last.tvc_yaw_n.abs() + sample.tvc_yaw_n.abs());
+            for (i, impulse_ns) in self.tvc_impulse_ns.iter_mut().enumerate() {
+                *impulse_ns += half_s * (last.tvc_n[i].abs() + sample.tvc_n[i].abs());
+            }
         }
         self.last = Some(*sample);
     }
@@ -156,12 +135,7 @@ impl FlightMonitor {
         let [pitch_ns, yaw_ns] = self.tvc_impulse_ns;
         Some(FlightSummary {
             max_dynamic_pressure,
-            max_q_alpha: self.max_q_alpha.unwrap_or(Peak {
-                value: 0.0,
-                time_s: last.time_s,
-                mach: last.mach,
-                altitude_m: last.trajectory.altitude_m,
-            }),
+            max_q_alpha: self.max_q_alpha.unwrap_or_else(|| last.peak(0.0)),
             end: last.trajectory,
             end_time_s: last.time_s,
             range_m: self.earth_radius_m * last.trajectory.range_angle_rad,

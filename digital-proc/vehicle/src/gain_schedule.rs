@@ -55,12 +55,10 @@ impl GainSchedule {
         self.at(time_s.min(stuck_s))
     }
 
-    /// Switch times, s.
     pub fn switch_time_s(&self) -> &[f64] {
         &self.switch_time_s
     }
 
-    /// Gains of each interval.
     pub fn gains(&self) -> &[LoopGains] {
         &self.gains
     }

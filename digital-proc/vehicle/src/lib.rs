@@ -5,6 +5,8 @@
 //! [`Vehicle::from_toml`]. Studies that disperse parameters change a copy of
 //! [`VehicleData`] and rebuild by [`Vehicle::from_data`], which validates again.
 //! A faulty set yields no vehicle: all its faults are reported instead.
+// Names carry their units; what a name says has no sentence beside it.
+#![allow(missing_docs)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 mod aero;
@@ -45,7 +47,6 @@ use crate::table_edges::{EdgeRecord, TableName};
 use desk::faults::{FileFaults, Source};
 use desk::reader::{self, FileKind};
 
-/// Text of the shipped data set.
 pub const SHIPPED_TEXT: &str = include_str!("../../data/vehicle.toml");
 /// Name under which faults of the shipped set would be reported.
 pub const SHIPPED_NAME: &str = "the shipped vehicle";
@@ -68,11 +69,8 @@ pub struct Vehicle {
 /// First bending mode at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BendingMode {
-    /// Natural frequency, rad/s.
     pub natural_frequency_radps: f64,
-    /// Damping ratio.
     pub damping_ratio: f64,
-    /// Generalised mass, kg.
     pub generalised_mass_kg: f64,
     /// Mode displacement at the control forces.
     pub displacement_at_control: f64,
@@ -80,7 +78,6 @@ pub struct BendingMode {
     pub gyro_slope_pm: f64,
     /// Mode slope at the IMU, 1/m.
     pub imu_slope_pm: f64,
-    /// Table edges met.
     pub edges: EdgeRecord,
 }
 
@@ -90,7 +87,6 @@ impl Vehicle {
         Self::from_toml(SHIPPED_NAME, SHIPPED_TEXT)
     }
 
-    /// Reads a user's file.
     pub fn load(path: &Path) -> Result<Self, FileFaults> {
         reader::load(path, Self::from_toml)
     }
@@ -143,12 +139,10 @@ impl Vehicle {
         })
     }
 
-    /// The data set behind this vehicle.
     pub fn data(&self) -> &VehicleData {
         &self.data
     }
 
-    /// The first-stage motor.
     pub fn motor(&self) -> &Motor {
         &self.motor
     }
@@ -159,12 +153,10 @@ impl Vehicle {
         (self.mass.at(time_s, motor.propellant_left_kg, motor.mass_flow_kgps), motor)
     }
 
-    /// Aerodynamic coefficients at a Mach number.
     pub fn aero_at(&self, mach: f64) -> AeroCoefficients {
         self.aero.at(mach)
     }
 
-    /// The stored pitch programme.
     pub fn pitch_programme(&self) -> &PitchProgramme {
         &self.programme
     }

@@ -11,7 +11,6 @@ use crate::table::{Edge, Table, TableError};
 /// Mass properties at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassProperties {
-    /// Mass, kg.
     pub mass_kg: f64,
     /// Centre of gravity, m forward of the nozzle exit.
     pub cg_x_m: f64,
@@ -21,7 +20,6 @@ pub struct MassProperties {
     pub pitch_inertia_rate_kgm2ps: f64,
     /// Roll inertia, kg·m².
     pub roll_inertia_kgm2: f64,
-    /// Edge of the roll-inertia table.
     pub roll_edge: Edge,
 }
 

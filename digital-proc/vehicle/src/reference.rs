@@ -39,7 +39,6 @@ pub struct FlightCase {
     pub script: FlightScript,
     /// No failure acts before this, s; earlier ones wait until then.
     pub failure_start_s: f64,
-    /// The wind.
     pub wind: Wind,
     /// Thrust misalignment in pitch, fraction of 3σ.
     pub pitch_misalignment: f64,
@@ -111,23 +110,17 @@ fn sample(
     attitude: &AttitudeState,
     now: &AttitudeInputs,
 ) -> FlightSample {
-    let [pitch_rad, yaw_rad, roll_rad] = attitude.angle_rad;
     FlightSample {
         time_s,
         trajectory: *state,
-        pitch_rad,
-        yaw_rad,
-        roll_rad,
+        angle_rad: attitude.angle_rad,
         pitch_command_rad: now.pitch_command_rad,
-        incidence_rad: pitch_rad + now.incidence_offset_rad,
-        yaw_incidence_rad: yaw_rad + now.yaw_incidence_offset_rad,
+        incidence_rad: attitude.angle_rad[0] + now.incidence_offset_rad,
+        yaw_incidence_rad: attitude.angle_rad[1] + now.yaw_incidence_offset_rad,
         mach: now.airframe.mach,
         dynamic_pressure_pa: now.airframe.dynamic_pressure_pa,
-        pitch_tips_rad: attitude.tip_rad[0],
-        tip_2_rad: attitude.tip_rad[1],
-        tip_4_rad: attitude.tip_rad[2],
-        tvc_pitch_n: attitude.tvc_n[0],
-        tvc_yaw_n: attitude.tvc_n[1],
+        tip_rad: attitude.tip_rad,
+        tvc_n: attitude.tvc_n,
     }
 }
 

@@ -11,7 +11,6 @@ use crate::trajectory::{self, FlightError, TrajectoryState};
 use crate::wind::Wind;
 use crate::{BendingMode, Vehicle};
 
-/// Step of the point-mass flight, s.
 pub const STEP_S: f64 = 0.02;
 /// Steps in a second; times are counted in whole steps.
 const STEPS_PER_SECOND: f64 = 50.0;
@@ -21,11 +20,8 @@ const LONGEST_S: f64 = 1_000.0;
 /// A frozen trajectory point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlicePoint {
-    /// Name.
     pub name: String,
-    /// Flight time, s.
     pub time_s: f64,
-    /// Trajectory there.
     pub trajectory: TrajectoryState,
     /// Angle of attack of the point-mass flight, rad.
     pub incidence_rad: f64,
@@ -33,7 +29,6 @@ pub struct SlicePoint {
     pub airframe: AirframeCoefficients,
     /// Gains of the designed schedule.
     pub settings: ControlSettings,
-    /// First bending mode.
     pub bending: BendingMode,
 }
 

@@ -32,46 +32,16 @@ pub struct Lookup {
 /// Why a table was refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TableError {
-    /// Fewer than two points.
     #[error("a table needs at least two points, this one has {points}")]
-    TooShort {
-        /// Points given.
-        points: usize,
-    },
-    /// Abscissae and ordinates differ in number.
+    TooShort { points: usize },
     #[error("{abscissae} abscissae but {ordinates} ordinates")]
-    LengthMismatch {
-        /// Number of abscissae.
-        abscissae: usize,
-        /// Number of ordinates.
-        ordinates: usize,
-    },
-    /// A NaN or an infinity among the abscissae.
+    LengthMismatch { abscissae: usize, ordinates: usize },
     #[error("abscissa {index} is {value}, not a finite number")]
-    AbscissaNotFinite {
-        /// Position, counted from 0.
-        index: usize,
-        /// The offending number.
-        value: f64,
-    },
-    /// A NaN or an infinity among the ordinates.
+    AbscissaNotFinite { index: usize, value: f64 },
     #[error("ordinate {index} is {value}, not a finite number")]
-    OrdinateNotFinite {
-        /// Position, counted from 0.
-        index: usize,
-        /// The offending number.
-        value: f64,
-    },
-    /// An abscissa that does not exceed its predecessor.
+    OrdinateNotFinite { index: usize, value: f64 },
     #[error("abscissa {index} ({value}) does not exceed the one before it ({previous})")]
-    NotIncreasing {
-        /// Position of the second of the two, counted from 0.
-        index: usize,
-        /// Its value.
-        value: f64,
-        /// The value before it.
-        previous: f64,
-    },
+    NotIncreasing { index: usize, value: f64, previous: f64 },
 }
 
 /// A piecewise-linear function y(x), shape `[n]`, n ≥ 2, abscissae strictly
@@ -124,12 +94,10 @@ impl Table {
         Lookup { value, slope, edge: Edge::Inside }
     }
 
-    /// The abscissae, strictly increasing.
     pub fn abscissae(&self) -> &[f64] {
         &self.abscissae
     }
 
-    /// The ordinates, one for each abscissa.
     pub fn ordinates(&self) -> &[f64] {
         &self.ordinates
     }

@@ -7,45 +7,18 @@
 
 use crate::table::Edge;
 
-/// The tables of the data set whose edges are recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum TableName {
-    /// Vacuum thrust against time.
-    Thrust,
-    /// Roll inertia against time.
-    RollInertia,
-    /// Aerodynamic coefficients against Mach number.
-    Aerodynamics,
-    /// Pitch programme against time; before its first node the attitude is
-    /// the launch attitude by definition, so only the upper edge counts.
-    PitchProgramme,
-    /// Wind against altitude.
-    Wind,
-    /// Bending-mode data against time.
-    Bending,
-}
-
-impl TableName {
-    /// All tables, in the order of the bits.
-    pub const ALL: [Self; 6] = [
-        Self::Thrust,
-        Self::RollInertia,
-        Self::Aerodynamics,
-        Self::PitchProgramme,
-        Self::Wind,
-        Self::Bending,
-    ];
-
-    /// Name for reports.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Thrust => "vacuum thrust (time)",
-            Self::RollInertia => "roll inertia (time)",
-            Self::Aerodynamics => "aerodynamic coefficients (Mach number)",
-            Self::PitchProgramme => "pitch programme (time)",
-            Self::Wind => "wind profile (altitude)",
-            Self::Bending => "bending mode (time)",
-        }
+interface::named! {
+    /// The tables of the data set whose edges are recorded, in the order of the bits.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum TableName, label {
+        Thrust "vacuum thrust (time)"
+        RollInertia "roll inertia (time)"
+        Aerodynamics "aerodynamic coefficients (Mach number)"
+        /// Before its first node the attitude is the launch attitude by definition, so only the
+        /// upper edge counts.
+        PitchProgramme "pitch programme (time)"
+        Wind "wind profile (altitude)"
+        Bending "bending mode (time)"
     }
 }
 
@@ -57,10 +30,8 @@ pub struct EdgeRecord {
 }
 
 impl EdgeRecord {
-    /// Nothing met yet.
     pub const NONE: Self = Self { below: 0, above: 0 };
 
-    /// Adds one look-up's outcome.
     pub fn note(&mut self, table: TableName, edge: Edge) {
         let bit = 1u8 << table as u8;
         match edge {
@@ -70,18 +41,15 @@ impl EdgeRecord {
         }
     }
 
-    /// Adds everything another record holds.
     pub fn merge(&mut self, other: Self) {
         self.below |= other.below;
         self.above |= other.above;
     }
 
-    /// True when no edge was passed.
     pub fn is_empty(self) -> bool {
         self.below == 0 && self.above == 0
     }
 
-    /// The edges met, table by table.
     pub fn iter(self) -> impl Iterator<Item = (TableName, Edge)> {
         TableName::ALL.into_iter().flat_map(move |table| {
             let bit = 1u8 << table as u8;

@@ -13,7 +13,6 @@ use crate::table::{Edge, Table, TableError};
 /// Standard gravity, m/s²: unit of specific impulse.
 pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 
-/// The first-stage motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motor {
     vacuum_thrust_n: Table,
@@ -32,9 +31,7 @@ pub struct MotorState {
     pub vacuum_thrust_n: f64,
     /// Mass flow, kg/s, positive while burning.
     pub mass_flow_kgps: f64,
-    /// Propellant left, kg.
     pub propellant_left_kg: f64,
-    /// Edge of the thrust table.
     pub edge: Edge,
 }
 
@@ -72,7 +69,6 @@ impl Motor {
         self.scale
     }
 
-    /// Thrust, flow and propellant at a flight time.
     pub fn at(&self, time_s: f64) -> MotorState {
         let found = self.vacuum_thrust_n.lookup(time_s);
         let times = self.vacuum_thrust_n.abscissae();
@@ -94,7 +90,6 @@ impl Motor {
         }
     }
 
-    /// Thrust against an ambient pressure.
     pub fn net_thrust(&self, vacuum_thrust_n: f64, pressure_pa: f64) -> NetThrust {
         let net_n = vacuum_thrust_n - self.exit_area_m2 * pressure_pa;
         NetThrust { thrust_n: net_n.max(0.0), nozzle_unfilled: net_n < 0.0 }

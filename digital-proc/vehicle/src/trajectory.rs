@@ -44,40 +44,16 @@ pub const START_OFF_VERTICAL_RAD: f64 = 1e-5;
 /// Why a flight could not be continued.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FlightError {
-    /// The altitude left the atmosphere's model.
     #[error("at {time_s} s: {source}")]
-    Atmosphere {
-        /// Flight time, s.
-        time_s: f64,
-        /// The refusal.
-        source: AtmosphereError,
-    },
-    /// The speed fell to zero, where the flight-path angle is not defined.
+    Atmosphere { time_s: f64, source: AtmosphereError },
     #[error(
         "at {time_s} s the speed is {speed_mps} m/s; the flight-path equations need it positive"
     )]
-    SpeedLost {
-        /// Flight time, s.
-        time_s: f64,
-        /// The speed, m/s.
-        speed_mps: f64,
-    },
-    /// A state variable is NaN or infinite.
+    SpeedLost { time_s: f64, speed_mps: f64 },
     #[error("at {time_s} s {variable} is not finite")]
-    NotFinite {
-        /// Flight time, s.
-        time_s: f64,
-        /// The variable.
-        variable: &'static str,
-    },
-    /// A step or a frame of no length, or a flight that is too long to count.
+    NotFinite { time_s: f64, variable: &'static str },
     #[error("{what} is {value}; give a positive number")]
-    BadSetting {
-        /// The setting.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    BadSetting { what: &'static str, value: f64 },
 }
 
 /// The translational state.
@@ -124,11 +100,9 @@ pub struct Flow {
     pub air_path_angle_rad: f64,
     /// atan2(W_cross, V_a), rad: what the crosswind adds to the yaw incidence.
     pub crosswind_angle_rad: f64,
-    /// Table edges met.
     pub edges: EdgeRecord,
 }
 
-/// The flow at a trajectory state.
 pub fn flow_at(wind: &Wind, state: &TrajectoryState) -> Flow {
     let sample = wind.at(state.altitude_m);
     let (sine, cosine) = libm::sincos(state.path_angle_rad);
@@ -146,7 +120,6 @@ pub fn flow_at(wind: &Wind, state: &TrajectoryState) -> Flow {
     }
 }
 
-/// Flow and coefficients at a flight time and state.
 pub fn surroundings(
     vehicle: &Vehicle,
     wind: &Wind,

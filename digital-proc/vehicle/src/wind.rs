@@ -29,23 +29,19 @@ pub struct WindSample {
     pub along_mps: f64,
     /// Component across it, m/s.
     pub cross_mps: f64,
-    /// Edge of the profile's table.
     pub edge: Edge,
 }
 
 /// Direction of the synthetic profile along the flight path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WindDirection {
-    /// Against the flight.
     Head,
-    /// With the flight.
     Tail,
 }
 
 /// A wind field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Wind {
-    /// None.
     Calm,
     /// The synthetic design profile.
     Synthetic(SyntheticWind),
@@ -54,7 +50,6 @@ pub enum Wind {
     Profile {
         /// Along-track speed (m/s) against altitude (m).
         along_mps: Table,
-        /// Crosswind over along-track wind.
         cross_fraction: f64,
     },
 }
@@ -62,10 +57,7 @@ pub enum Wind {
 impl Wind {
     /// The vehicle's synthetic profile as head- or tailwind.
     pub fn synthetic(vehicle: &Vehicle, direction: WindDirection) -> Result<Self, TableError> {
-        let sign = match direction {
-            WindDirection::Head => -1.0,
-            WindDirection::Tail => 1.0,
-        };
+        let sign = if direction == WindDirection::Head { -1.0 } else { 1.0 };
         SyntheticWind::new(&vehicle.data().wind, sign).map(Self::Synthetic)
     }
 
@@ -78,7 +70,6 @@ impl Wind {
         SyntheticWind::new(&vehicle.data().wind, sign).map(Self::Synthetic)
     }
 
-    /// Wind at a geometric altitude, m.
     pub fn at(&self, altitude_m: f64) -> WindSample {
         match self {
             Self::Calm => WindSample { along_mps: 0.0, cross_mps: 0.0, edge: Edge::Inside },
@@ -111,15 +102,7 @@ pub struct SyntheticWind {
 impl SyntheticWind {
     /// Of the `[wind]` section; `sign` scales the whole profile (−1 headwind).
     pub fn new(data: &WindData, sign: f64) -> Result<Self, TableError> {
-        Self::with_reference(data, sign, data.reference_altitude_m)
-    }
-
-    /// The same with another reference altitude, for a sweep.
-    pub fn with_reference(
-        data: &WindData,
-        sign: f64,
-        reference_m: f64,
-    ) -> Result<Self, TableError> {
+        let reference_m = data.reference_altitude_m;
         let envelope_mps =
             Table::new(data.envelope_altitude_m.clone(), data.envelope_speed_mps.clone())?;
         Ok(Self {
@@ -134,7 +117,6 @@ impl SyntheticWind {
         })
     }
 
-    /// Wind at an altitude, m.
     pub fn at(&self, altitude_m: f64) -> WindSample {
         let envelope = self.envelope_mps.lookup(altitude_m);
         let depth_m = self.reference_m - altitude_m;

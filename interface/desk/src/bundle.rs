@@ -19,18 +19,13 @@ pub const MOST_FILES: usize = 1000;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read the patch {}: {cause}", path.display())]
 pub struct PatchUnreadable {
-    /// The file.
     pub path: PathBuf,
-    /// Why.
     #[source]
     pub cause: std::io::Error,
 }
 
 /// The patch at `path` with everything it uses. A used file that cannot be read is left out: the
 /// analog side names the line that asks for it.
-///
-/// # Errors
-/// When the root itself cannot be read, or a file is no text.
 pub fn bundle_from_path(path: &Path) -> Result<PatchBundle, PatchUnreadable> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let root = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

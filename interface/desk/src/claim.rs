@@ -9,7 +9,6 @@ use std::borrow::Cow;
 pub enum Verdict {
     /// The criterion is met at every point it names.
     Holds,
-    /// The criterion is missed.
     Fails,
     /// The runs that would decide it are not there.
     NotJudged,
@@ -26,7 +25,6 @@ impl Evidence {
         Evidence(anchor)
     }
 
-    /// The anchor.
     pub const fn anchor(self) -> &'static str {
         self.0
     }
@@ -43,7 +41,6 @@ pub struct Claim {
     pub criterion: String,
     /// What was found: the worst value and where.
     pub measured: String,
-    /// The verdict.
     pub verdict: Verdict,
     /// Where it holds only in part, or what else was noticed.
     pub remark: Option<String>,
@@ -66,7 +63,6 @@ impl Claim {
         }
     }
 
-    /// Whether it holds.
     pub fn holds(&self) -> bool {
         self.verdict == Verdict::Holds
     }

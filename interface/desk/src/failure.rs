@@ -9,7 +9,6 @@ use std::{fmt, path::PathBuf};
 /// A message for the terminal and an exit code.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// Exit code.
     pub code: u8,
     /// What to print on standard error.
     pub text: String,

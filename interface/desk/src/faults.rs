@@ -19,9 +19,7 @@ pub struct FileFault {
     /// Line and column, counted from 1 in characters.
     #[serde(flatten, serialize_with = "line_and_column")]
     pub place: Option<(usize, usize)>,
-    /// What is wrong.
     pub fault: String,
-    /// What to do about it.
     pub remedy: String,
 }
 
@@ -70,7 +68,6 @@ impl FileFaults {
 pub struct Source<'a> {
     /// File as named by the caller.
     pub file: &'a str,
-    /// Its text.
     pub text: &'a str,
 }
 
@@ -95,7 +92,6 @@ impl Source<'_> {
         FileFault { place, ..self.whole(fault, remedy) }
     }
 
-    /// A fault of the file as a whole.
     pub fn whole(&self, fault: impl Into<String>, remedy: impl Into<String>) -> FileFault {
         let file = self.file.to_owned();
         FileFault { code: None, file, place: None, fault: fault.into(), remedy: remedy.into() }

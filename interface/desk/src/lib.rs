@@ -1,4 +1,6 @@
 //! The user's side of both processors: files read, faults told, runs kept, reports drawn.
+// Names carry their units; what a name says has no sentence beside it.
+#![allow(missing_docs)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod bundle;

@@ -70,13 +70,20 @@ pub struct Outcome {
 #[derive(Clone, Debug)]
 enum Part {
     /// A table with its name in JSON and for links, and its caption.
-    Table { name: String, caption: String, table: Table, on_terminal: bool },
-    /// A figure.
+    Table {
+        name: String,
+        caption: String,
+        table: Table,
+        on_terminal: bool,
+    },
     Figure(Figure),
     /// Figures side by side where the page is wide enough.
     Beside(Vec<Figure>),
     /// A paragraph.
-    Words { text: String, on_terminal: bool },
+    Words {
+        text: String,
+        on_terminal: bool,
+    },
     /// Anything else that only a page can show.
     Markup(Markup),
 }
@@ -86,9 +93,7 @@ enum Part {
 pub struct Figure {
     /// What links point to.
     pub id: String,
-    /// Caption.
     pub caption: String,
-    /// The drawing.
     pub drawing: Markup,
 }
 
@@ -104,7 +109,6 @@ impl Figure {
 }
 
 impl Outcome {
-    /// Nothing yet.
     pub fn new(title: impl Into<String>, lead: impl Into<String>) -> Outcome {
         Outcome { title: title.into(), lead: lead.into(), ..Outcome::default() }
     }
@@ -198,7 +202,6 @@ impl Outcome {
         out
     }
 
-    /// As a page.
     pub fn page(&self, record: &RunRecord) -> String {
         let mut numbering = Numbering::new();
         let mut sections = Vec::new();
@@ -235,9 +238,6 @@ impl Outcome {
 
     /// Leaves record, traces, tables, summary and page in the run's directory and says where; `json`
     /// prints the summary instead.
-    ///
-    /// # Errors
-    /// A file that cannot be written; a claim that fails.
     pub fn publish(&self, run: &Run, json: bool) -> Result<(), Failure> {
         let directory = &run.directory;
         let mut record = run.record.clone();
@@ -262,9 +262,6 @@ impl Outcome {
     }
 
     /// Prints the outcome of a command that keeps no run of its own; `run` is the one it looked at.
-    ///
-    /// # Errors
-    /// A claim that fails.
     pub fn tell(&self, command: &str, run: Option<&Path>, json: bool) -> Result<(), Failure> {
         let failed = self.verdict();
         match json {
@@ -276,9 +273,6 @@ impl Outcome {
 
     /// The same where standard output is taken by what the command makes: JSON goes to standard
     /// error, and words nowhere.
-    ///
-    /// # Errors
-    /// A claim that fails.
     pub fn tell_beside(&self, command: &str, json: bool) -> Result<(), Failure> {
         let failed = self.verdict();
         if json {
@@ -343,7 +337,6 @@ impl SectionOf<'_> {
         self
     }
 
-    /// A figure.
     pub fn figure(self, figure: Figure) -> Self {
         self.0.push(Part::Figure(figure));
         self
@@ -359,7 +352,6 @@ impl SectionOf<'_> {
         self.figure(Figure::new(id, caption, line_chart(chart)))
     }
 
-    /// Figures side by side.
     pub fn beside(self, figures: Vec<Figure>) -> Self {
         self.0.push(Part::Beside(figures));
         self

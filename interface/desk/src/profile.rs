@@ -57,7 +57,7 @@ fn profile(f: &mut SheetFields<'_, '_>) -> Option<Profile> {
         Some(())
     });
     f.table_or_none("counts", |f| {
-        for &class in BlockClass::ALL {
+        for class in BlockClass::ALL {
             let count = whole(f, class.key(), 0..=1_000_000);
             profile.counts.extend(count.map(|count| (class, count)));
         }

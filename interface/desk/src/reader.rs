@@ -43,7 +43,6 @@ macro_rules! table {
 
 /// A fault that every file can have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs)] // The fields are the words of the message.
 pub enum Fault {
     #[error("unknown key `{key}` in {owner}")]
     UnknownKey { key: String, owner: String },
@@ -328,7 +327,6 @@ impl<'r, B: Board> Fields<'r, B> {
         None
     }
 
-    /// True or false.
     pub fn flag(&mut self, key: &'static str, default: bool) -> Option<bool> {
         let Some(entry) = self.entry(key) else {
             return Some(default);

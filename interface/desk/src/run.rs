@@ -10,7 +10,6 @@ use std::time::SystemTime;
 /// A run's directory and its record, begun before the work so that a run that is killed shows.
 #[derive(Debug)]
 pub struct Run {
-    /// The directory.
     pub directory: RunDirectory,
     /// Everything needed to repeat it.
     pub record: RunRecord,
@@ -18,9 +17,6 @@ pub struct Run {
 
 impl Run {
     /// Claims a directory under `base` for a run of `command` that starts now.
-    ///
-    /// # Errors
-    /// The directory or the record cannot be written.
     pub fn begin(base: &Path, command: &str, profile: &str, link: &str) -> Result<Run, Failure> {
         let started = UtcSecond::from_system(SystemTime::now());
         let directory = RunDirectory::create(base, command, started)?;
@@ -29,12 +25,10 @@ impl Run {
         Ok(Run { directory, record })
     }
 
-    /// Notes a parameter.
     pub fn set(&mut self, name: &str, value: impl Into<toml::Value>) {
         self.record.parameters.insert(name.to_owned(), value.into());
     }
 
-    /// Notes the patch that ran.
     pub fn patch(&mut self, name: &str, sha256: &str) {
         self.record.patch =
             Some(PatchIdentity { name: name.to_owned(), sha256: sha256.to_owned() });

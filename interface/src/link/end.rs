@@ -6,10 +6,10 @@
 
 use super::{
     AnalogPort, DigitalPort, FramePort, LinkFault,
-    waiting::{Limit, Patience, Watch, wait},
+    waiting::{Limit, Patience, Watch, Watched, wait},
 };
 use crate::{
-    Side, Tick,
+    Tick,
     control::{Reply, Request},
     frame::{RunState, Samples, Updates},
     protocol::{self, Protocol},
@@ -19,35 +19,47 @@ use std::time::{Duration, Instant};
 /// Time between two looks at the partner while this side computes.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// What a transport does for the analog end. Nothing here blocks.
-pub trait AnalogWire: Watch {
-    /// Sends samples; `lossy` allows to lose a frame that finds no room.
-    fn put_samples(&mut self, samples: &Samples, lossy: bool) -> Result<(), LinkFault>;
-    /// Takes the next updates in order of sending, if there are any.
-    fn take_updates(&mut self, into: &mut Updates) -> Result<bool, LinkFault>;
-    /// Takes the next request once all of it has come.
-    fn take_request(&mut self) -> Result<Option<Request>, LinkFault>;
-    /// Answers it.
-    fn put_reply(&mut self, reply: &Reply) -> Result<(), LinkFault>;
+/// What a transport does for an end. Nothing here blocks.
+pub trait Wire: Watched {
+    type FrameOut;
+    type FrameIn;
+    type MessageOut;
+    type MessageIn;
+    /// Sends a frame; `lossy` allows to lose one that finds no room.
+    fn put_frame(&mut self, frame: &Self::FrameOut, lossy: bool) -> Result<(), LinkFault>;
+    /// Takes the next frame in order of sending, if there is any.
+    fn take_frame(&mut self, into: &mut Self::FrameIn) -> Result<bool, LinkFault>;
+    /// Begins to send a request, or the reply to the last one.
+    fn put_message(&mut self, message: &Self::MessageOut) -> Result<(), LinkFault>;
+    /// Moves the exchange on; gives the message that comes once all of it has come.
+    fn take_message(&mut self) -> Result<Option<Self::MessageIn>, LinkFault>;
     /// Moves what is left of a long reply; true when all of it has gone.
-    fn reply_gone(&mut self) -> Result<bool, LinkFault>;
+    fn message_gone(&mut self) -> Result<bool, LinkFault>;
 }
 
-/// What a transport does for the digital end. Nothing here blocks.
-pub trait DigitalWire: Watch {
-    /// Takes the next samples in order of sending, if there are any.
-    fn take_samples(&mut self, into: &mut Samples) -> Result<bool, LinkFault>;
-    /// Sends updates; `lossy` allows to lose a frame that finds no room.
-    fn put_updates(&mut self, updates: &Updates, lossy: bool) -> Result<(), LinkFault>;
-    /// Begins to send a request.
-    fn put_request(&mut self, request: &Request) -> Result<(), LinkFault>;
-    /// Sends what is left of it and takes the reply once all of it has come.
-    fn take_reply(&mut self) -> Result<Option<Reply>, LinkFault>;
+/// The wire of the analog end.
+pub trait AnalogWire:
+    Wire<FrameOut = Samples, FrameIn = Updates, MessageOut = Reply, MessageIn = Request>
+{
+}
+impl<W> AnalogWire for W where
+    W: Wire<FrameOut = Samples, FrameIn = Updates, MessageOut = Reply, MessageIn = Request>
+{
 }
 
-/// The analog processor's end over wire `W`.
+/// The wire of the digital end.
+pub trait DigitalWire:
+    Wire<FrameOut = Updates, FrameIn = Samples, MessageOut = Request, MessageIn = Reply>
+{
+}
+impl<W> DigitalWire for W where
+    W: Wire<FrameOut = Updates, FrameIn = Samples, MessageOut = Request, MessageIn = Reply>
+{
+}
+
+/// A processor's end over wire `W`, whose messages tell which processor it is.
 #[derive(Debug)]
-pub struct AnalogEnd<W> {
+pub struct End<W> {
     wire: W,
     protocol: Protocol,
     patience: Patience,
@@ -57,52 +69,41 @@ pub struct AnalogEnd<W> {
     looked: Option<Instant>,
 }
 
-/// The digital processor's end over wire `W`.
-#[derive(Debug)]
-pub struct DigitalEnd<W> {
-    wire: W,
-    protocol: Protocol,
-    patience: Patience,
-}
-
-impl<W> AnalogEnd<W> {
+impl<W: Wire> End<W> {
     pub(super) fn wire(&self) -> &W {
         &self.wire
     }
 
-    pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> AnalogEnd<W> {
-        AnalogEnd { wire, protocol, patience: patience.clone(), early: None, looked: None }
+    pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> End<W> {
+        End { wire, protocol, patience: patience.clone(), early: None, looked: None }
     }
 
-    /// What the protocol knows of the session.
-    pub fn protocol(&self) -> &Protocol {
-        &self.protocol
-    }
-}
-
-impl<W> DigitalEnd<W> {
-    pub(super) fn wire(&self) -> &W {
-        &self.wire
+    /// Waits for a message.
+    fn message(&mut self, limit: Limit) -> Result<W::MessageIn, LinkFault> {
+        wait(&self.patience, &mut self.wire, limit, self.protocol.frame(), W::take_message)
     }
 
-    pub(super) fn new(wire: W, protocol: Protocol, patience: &Patience) -> DigitalEnd<W> {
-        DigitalEnd { wire, protocol, patience: patience.clone() }
+    /// Waits for a frame: on the wall clock it must not be noticed late.
+    fn frame(&mut self, into: &mut W::FrameIn, frame: u64) -> Result<(), LinkFault> {
+        let limit = if self.protocol.may_skip() { Limit::Prompt } else { Limit::Silence };
+        wait(&self.patience, &mut self.wire, limit, frame, |wire| {
+            Ok(wire.take_frame(into)?.then_some(()))
+        })
     }
 
-    /// What the protocol knows of the session.
-    pub fn protocol(&self) -> &Protocol {
-        &self.protocol
+    /// The partner may still be starting: it has as long as it has to arrive.
+    fn arrival(&self) -> Limit {
+        self.patience.arrival.map_or(Limit::Unlimited, Limit::After)
     }
 }
 
-impl<W: AnalogWire> AnalogEnd<W> {
+impl<W: AnalogWire> End<W> {
     /// Waits for the partner's greeting and answers it.
-    pub(super) fn greet(&mut self) -> Result<(), LinkFault> {
-        let limit = self.patience.arrival.map_or(Limit::Unlimited, Limit::After);
-        let request = wait(&self.patience, &mut self.wire, limit, 0, AnalogWire::take_request)?;
+    pub(super) fn await_greeting(&mut self) -> Result<(), LinkFault> {
+        let request = self.message(self.arrival())?;
         if let Err(error) = self.protocol.request(&request) {
             // The other side is told why before this one gives up.
-            self.wire.put_reply(&Reply::Refused(error.to_string()))?;
+            self.wire.put_message(&Reply::Refused(error.to_string()))?;
             let _ = self.flush();
             return Err(error.at(0));
         }
@@ -111,7 +112,7 @@ impl<W: AnalogWire> AnalogEnd<W> {
 
     fn flush(&mut self) -> Result<(), LinkFault> {
         wait(&self.patience, &mut self.wire, Limit::Silence, self.protocol.frame(), |wire| {
-            Ok(wire.reply_gone()?.then_some(()))
+            Ok(wire.message_gone()?.then_some(()))
         })
     }
 
@@ -121,7 +122,7 @@ impl<W: AnalogWire> AnalogEnd<W> {
     }
 }
 
-impl<W: AnalogWire> FramePort for AnalogEnd<W> {
+impl<W: AnalogWire> FramePort for End<W> {
     fn send_samples(&mut self, samples: &Samples) -> Result<(), LinkFault> {
         self.patience.check_interrupt(self.protocol.frame())?;
         let lossy = self.protocol.may_skip();
@@ -130,7 +131,7 @@ impl<W: AnalogWire> FramePort for AnalogEnd<W> {
             .map_err(|e| e.at(samples.frame))?;
         // The frame that ends a run is never the one to be lost.
         let last = !self.protocol.operating();
-        self.wire.put_samples(samples, lossy && !last)
+        self.wire.put_frame(samples, lossy && !last).map_err(|fault| fault.at_frame(samples.frame))
     }
 
     fn await_updates(&mut self, frame: u64) -> Result<Updates, LinkFault> {
@@ -138,13 +139,7 @@ impl<W: AnalogWire> FramePort for AnalogEnd<W> {
         loop {
             match self.early.take() {
                 Some(early) => updates = early,
-                None => wait(
-                    &self.patience,
-                    &mut self.wire,
-                    frame_limit(&self.protocol),
-                    frame,
-                    |wire| Ok(wire.take_updates(&mut updates)?.then_some(())),
-                )?,
+                None => self.frame(&mut updates, frame)?,
             }
             self.admit(&updates, frame)?;
             if updates.frame >= frame {
@@ -161,11 +156,11 @@ impl<W: AnalogWire> FramePort for AnalogEnd<W> {
                 updates = early;
                 true
             }
-            None => self.wire.take_updates(&mut updates)?,
+            None => self.wire.take_frame(&mut updates)?,
         };
         if !came {
-            let gone = self.wire.gone();
-            return if gone { Err(died(&self.wire, frame)) } else { Ok(None) };
+            let partner = self.wire.partner();
+            return if partner.gone() { Err(died(partner, frame)) } else { Ok(None) };
         }
         if updates.frame > frame && self.protocol.may_skip() {
             self.early = Some(updates);
@@ -182,29 +177,21 @@ impl<W: AnalogWire> FramePort for AnalogEnd<W> {
             return Ok(());
         }
         self.looked = Some(Instant::now());
-        if self.wire.gone() {
-            return Err(died(&self.wire, frame));
-        }
-        Ok(())
+        let partner = self.wire.partner();
+        if partner.gone() { Err(died(partner, frame)) } else { Ok(()) }
     }
 }
 
-impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
+impl<W: AnalogWire> AnalogPort for End<W> {
     fn await_request(&mut self) -> Result<Request, LinkFault> {
         let frame = self.protocol.frame();
-        let request = wait(
-            &self.patience,
-            &mut self.wire,
-            Limit::Unlimited,
-            frame,
-            AnalogWire::take_request,
-        )?;
+        let request = self.message(Limit::Unlimited)?;
         self.protocol.request(&request).map_err(|e| e.at(frame))?;
         if let Request::Operate(_) = request {
             // Late updates of an earlier run on the wall clock; in lock-step there are none.
             self.early = None;
             let mut late = Updates::new(0, Tick::ZERO);
-            while self.wire.take_updates(&mut late)? {}
+            while self.wire.take_frame(&mut late)? {}
         }
         Ok(request)
     }
@@ -212,17 +199,15 @@ impl<W: AnalogWire> AnalogPort for AnalogEnd<W> {
     fn reply(&mut self, reply: &Reply) -> Result<(), LinkFault> {
         let frame = self.protocol.frame();
         self.protocol.reply(reply).map_err(|e| e.at(frame))?;
-        self.wire.put_reply(reply)?;
+        self.wire.put_message(reply)?;
         self.flush()
     }
 }
 
-impl<W: DigitalWire> DigitalEnd<W> {
+impl<W: DigitalWire> End<W> {
     /// Greets the partner, which has the same build or is refused.
     pub(super) fn greet(&mut self) -> Result<(), LinkFault> {
-        // The partner may still be starting: it has as long as it has to arrive.
-        let limit = self.patience.arrival.map_or(Limit::Unlimited, Limit::After);
-        match self.request_within(&protocol::hello(), limit)? {
+        match self.request_within(&protocol::hello(), self.arrival())? {
             Reply::Refused(detail) => Err(LinkFault::Protocol { frame: 0, detail }),
             _ => Ok(()),
         }
@@ -233,21 +218,19 @@ impl<W: DigitalWire> DigitalEnd<W> {
         self.protocol.request(request).map_err(|e| e.at(frame))?;
         // Samples of an earlier run that nobody asked for.
         let mut stray = Samples::new(0, Tick::ZERO, RunState::Operate);
-        while self.wire.take_samples(&mut stray)? {}
-        self.wire.put_request(request)?;
-        let reply = wait(&self.patience, &mut self.wire, limit, frame, DigitalWire::take_reply)?;
+        while self.wire.take_frame(&mut stray)? {}
+        self.wire.put_message(request)?;
+        let reply = self.message(limit)?;
         self.protocol.reply(&reply).map_err(|e| e.at(frame))?;
         Ok(reply)
     }
 }
 
-impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
+impl<W: DigitalWire> DigitalPort for End<W> {
     fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault> {
         let mut samples = Samples::new(frame, Tick::ZERO, RunState::Operate);
         loop {
-            wait(&self.patience, &mut self.wire, frame_limit(&self.protocol), frame, |wire| {
-                Ok(wire.take_samples(&mut samples)?.then_some(()))
-            })?;
+            self.frame(&mut samples, frame)?;
             if samples.frame != frame && !self.protocol.may_skip() {
                 let error = protocol::ProtocolError::FrameNumber {
                     message: "samples",
@@ -267,7 +250,9 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
         let frame = updates.frame;
         self.patience.check_interrupt(frame)?;
         self.protocol.updates(frame).map_err(|e| e.at(frame))?;
-        self.wire.put_updates(updates, self.protocol.may_skip())
+        self.wire
+            .put_frame(updates, self.protocol.may_skip())
+            .map_err(|fault| fault.at_frame(frame))
     }
 
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault> {
@@ -275,15 +260,9 @@ impl<W: DigitalWire> DigitalPort for DigitalEnd<W> {
     }
 }
 
-/// How a frame is waited for: on the wall clock it must not be noticed late.
-fn frame_limit(protocol: &Protocol) -> Limit {
-    if protocol.may_skip() { Limit::Prompt } else { Limit::Silence }
-}
-
 /// The partner's death, as this end tells it.
 pub(super) fn died(watch: &impl Watch, frame: u64) -> LinkFault {
-    let side: Side = watch.side();
-    LinkFault::PartnerDied { side: side.name(), frame, detail: watch.epitaph() }
+    LinkFault::PartnerDied { side: watch.side().name(), frame, detail: watch.epitaph() }
 }
 
 #[cfg(test)]
@@ -307,11 +286,11 @@ mod tests {
             (protocol::VERSION, ours ^ 1, "frame layout"),
         ] {
             let (mut analog, mut digital) = strangers();
-            digital.wire.put_request(&Request::Hello { version, layout_hash }).unwrap();
-            let fault = analog.greet().unwrap_err();
+            digital.wire.put_message(&Request::Hello { version, layout_hash }).unwrap();
+            let fault = analog.await_greeting().unwrap_err();
             assert!(matches!(fault, LinkFault::Protocol { .. }));
             assert!(fault.to_string().contains(word), "{fault}");
-            let told = digital.wire.take_reply().unwrap();
+            let told = digital.wire.take_message().unwrap();
             assert!(matches!(told, Some(Reply::Refused(text)) if text.contains(word)));
         }
     }

@@ -8,8 +8,8 @@
 use super::{
     LinkFault,
     bell::Bell,
-    end::{AnalogEnd, AnalogWire, DigitalEnd, DigitalWire, died},
-    waiting::{Patience, Watch},
+    end::{End, Wire, died},
+    waiting::{Patience, Watch, Watched},
 };
 use crate::{
     Side,
@@ -26,9 +26,9 @@ use std::{
 const FRAMES: usize = 16;
 
 /// The analog processor's end.
-pub type MemoryAnalog = AnalogEnd<AnalogQueues>;
+pub type MemoryAnalog = End<Queues<Samples, Updates, Reply, Request>>;
 /// The digital processor's end.
-pub type MemoryDigital = DigitalEnd<DigitalQueues>;
+pub type MemoryDigital = End<Queues<Updates, Samples, Request, Reply>>;
 
 /// Two ends with the default patience.
 pub fn pair() -> (MemoryAnalog, MemoryDigital) {
@@ -41,62 +41,38 @@ pub fn pair_with(patience: &Patience) -> (MemoryAnalog, MemoryDigital) {
     let (updates_in, updates_out) = sync_channel(FRAMES);
     let (requests_in, requests_out) = sync_channel(1);
     let (replies_in, replies_out) = sync_channel(1);
-    let (analog, digital) = Presence::pair();
-    let analog = AnalogQueues {
-        samples: samples_in,
-        updates: updates_out,
-        requests: requests_out,
-        replies: replies_in,
-        presence: analog,
+    let (analog, digital) = Bell::pair();
+    let presence = |partner, bell| Presence { partner, bell, started: Instant::now() };
+    let analog = Queues {
+        frames: (samples_in, updates_out),
+        messages: (replies_in, requests_out),
+        presence: presence(Side::Digital, analog),
     };
-    let digital = DigitalQueues {
-        samples: samples_out,
-        updates: updates_in,
-        requests: requests_in,
-        replies: replies_out,
-        presence: digital,
+    let digital = Queues {
+        frames: (updates_in, samples_out),
+        messages: (requests_in, replies_out),
+        presence: presence(Side::Analog, digital),
     };
     (
-        AnalogEnd::new(analog, Protocol::greeted(), patience),
-        DigitalEnd::new(digital, Protocol::greeted(), patience),
+        End::new(analog, Protocol::greeted(), patience),
+        End::new(digital, Protocol::greeted(), patience),
     )
 }
 
-/// The analog end's queues.
+/// The queues of an end: out and in, for frames and for messages.
 #[derive(Debug)]
-pub struct AnalogQueues {
-    samples: SyncSender<Samples>,
-    updates: Receiver<Updates>,
-    requests: Receiver<Request>,
-    replies: SyncSender<Reply>,
-    presence: Presence,
-}
-
-/// The digital end's queues.
-#[derive(Debug)]
-pub struct DigitalQueues {
-    samples: Receiver<Samples>,
-    updates: SyncSender<Updates>,
-    requests: SyncSender<Request>,
-    replies: Receiver<Reply>,
+pub struct Queues<Fo, Fi, Mo, Mi> {
+    frames: (SyncSender<Fo>, Receiver<Fi>),
+    messages: (SyncSender<Mo>, Receiver<Mi>),
     presence: Presence,
 }
 
 /// Sees the other end go, and tells it of one's own end: by dropping the bell.
 #[derive(Debug)]
-struct Presence {
+pub struct Presence {
     partner: Side,
     bell: Bell,
     started: Instant,
-}
-
-impl Presence {
-    /// The presences of the analog and of the digital end.
-    fn pair() -> (Presence, Presence) {
-        let (analog, digital) = Bell::pair();
-        let end = |partner, bell| Presence { partner, bell, started: Instant::now() };
-        (end(Side::Digital, analog), end(Side::Analog, digital))
-    }
 }
 
 impl Watch for Presence {
@@ -154,75 +130,39 @@ fn put<T>(
     }
 }
 
-macro_rules! watch_by_presence {
-    ($($queues:ty),*) => {$(
-        impl Watch for $queues {
-            fn side(&self) -> Side {
-                self.presence.side()
-            }
-            fn bell(&self) -> &Bell {
-                self.presence.bell()
-            }
-            fn gone(&self) -> bool {
-                self.presence.gone()
-            }
-            fn left(&self) -> bool {
-                self.presence.left()
-            }
-            fn epitaph(&self) -> String {
-                self.presence.epitaph()
-            }
-            fn stopped(&self) -> bool {
-                self.presence.stopped()
-            }
-            fn cpu_time(&self) -> Option<Duration> {
-                self.presence.cpu_time()
-            }
-        }
-    )*};
+impl<Fo, Fi, Mo, Mi> Watched for Queues<Fo, Fi, Mo, Mi> {
+    type Partner = Presence;
+
+    fn partner(&self) -> &Presence {
+        &self.presence
+    }
 }
-watch_by_presence!(AnalogQueues, DigitalQueues);
 
 // A disconnected queue reads as empty: the presence tells of a death, after the
 // last message has been taken.
-impl AnalogWire for AnalogQueues {
-    fn put_samples(&mut self, samples: &Samples, lossy: bool) -> Result<(), LinkFault> {
-        put(&self.samples, *samples, &self.presence, lossy)
-            .map_err(|fault| fault.at_frame(samples.frame))
+impl<Fo: Copy, Fi, Mo: Clone, Mi> Wire for Queues<Fo, Fi, Mo, Mi> {
+    type FrameOut = Fo;
+    type FrameIn = Fi;
+    type MessageOut = Mo;
+    type MessageIn = Mi;
+
+    fn put_frame(&mut self, frame: &Fo, lossy: bool) -> Result<(), LinkFault> {
+        put(&self.frames.0, *frame, &self.presence, lossy)
     }
 
-    fn take_updates(&mut self, into: &mut Updates) -> Result<bool, LinkFault> {
-        Ok(self.updates.try_recv().map(|updates| *into = updates).is_ok())
+    fn take_frame(&mut self, into: &mut Fi) -> Result<bool, LinkFault> {
+        Ok(self.frames.1.try_recv().map(|frame| *into = frame).is_ok())
     }
 
-    fn take_request(&mut self) -> Result<Option<Request>, LinkFault> {
-        Ok(self.requests.try_recv().ok())
+    fn put_message(&mut self, message: &Mo) -> Result<(), LinkFault> {
+        put(&self.messages.0, message.clone(), &self.presence, false)
     }
 
-    fn put_reply(&mut self, reply: &Reply) -> Result<(), LinkFault> {
-        put(&self.replies, reply.clone(), &self.presence, false)
+    fn take_message(&mut self) -> Result<Option<Mi>, LinkFault> {
+        Ok(self.messages.1.try_recv().ok())
     }
 
-    fn reply_gone(&mut self) -> Result<bool, LinkFault> {
+    fn message_gone(&mut self) -> Result<bool, LinkFault> {
         Ok(true)
-    }
-}
-
-impl DigitalWire for DigitalQueues {
-    fn take_samples(&mut self, into: &mut Samples) -> Result<bool, LinkFault> {
-        Ok(self.samples.try_recv().map(|samples| *into = samples).is_ok())
-    }
-
-    fn put_updates(&mut self, updates: &Updates, lossy: bool) -> Result<(), LinkFault> {
-        put(&self.updates, *updates, &self.presence, lossy)
-            .map_err(|fault| fault.at_frame(updates.frame))
-    }
-
-    fn put_request(&mut self, request: &Request) -> Result<(), LinkFault> {
-        put(&self.requests, request.clone(), &self.presence, false)
-    }
-
-    fn take_reply(&mut self) -> Result<Option<Reply>, LinkFault> {
-        Ok(self.replies.try_recv().ok())
     }
 }

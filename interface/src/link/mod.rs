@@ -9,7 +9,7 @@ pub mod memory;
 pub mod shm;
 mod waiting;
 
-pub use end::{AnalogEnd, DigitalEnd};
+pub use end::End;
 pub use waiting::Patience;
 
 use crate::{
@@ -20,56 +20,18 @@ use crate::{
 /// Why a link call failed.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkFault {
-    /// The other process is gone.
     #[error("{side} is gone (last frame {frame}): {detail}")]
-    PartnerDied {
-        /// `analog-proc` or `digital-proc`.
-        side: &'static str,
-        /// Last frame that was complete.
-        frame: u64,
-        /// How it was noticed, exit status if known.
-        detail: String,
-    },
-    /// The other side lives but did not answer in time.
+    PartnerDied { side: &'static str, frame: u64, detail: String },
     #[error("{side} did not answer within {waited_s:.1} s (frame {frame})")]
-    Deadline {
-        /// `analog-proc` or `digital-proc`.
-        side: &'static str,
-        /// Frame waited for.
-        frame: u64,
-        /// Seconds waited.
-        waited_s: f64,
-    },
-    /// The other process was stopped, as by Ctrl-Z, and not continued.
+    Deadline { side: &'static str, frame: u64, waited_s: f64 },
     #[error("{side} was stopped by a signal and does not go on (frame {frame})")]
-    Stopped {
-        /// `analog-proc` or `digital-proc`.
-        side: &'static str,
-        /// Frame waited for.
-        frame: u64,
-    },
-    /// A frame or message out of order.
+    Stopped { side: &'static str, frame: u64 },
     #[error("protocol violation at frame {frame}: {detail}")]
-    Protocol {
-        /// Frame expected.
-        frame: u64,
-        /// What came instead.
-        detail: String,
-    },
-    /// The user interrupted this process.
+    Protocol { frame: u64, detail: String },
     #[error("interrupted at frame {frame}")]
-    Interrupted {
-        /// Last frame that was complete.
-        frame: u64,
-    },
-    /// The transport itself failed.
+    Interrupted { frame: u64 },
     #[error("the link failed while {doing}: {detail}")]
-    Transport {
-        /// What was being done.
-        doing: &'static str,
-        /// The transport's own words.
-        detail: String,
-    },
+    Transport { doing: &'static str, detail: String },
 }
 
 impl LinkFault {
@@ -89,7 +51,6 @@ impl LinkFault {
 
 /// What a frame cycle needs of the other side.
 pub trait FramePort {
-    /// Sends samples n.
     fn send_samples(&mut self, samples: &Samples) -> Result<(), LinkFault>;
     /// Waits for updates n.
     fn await_updates(&mut self, frame: u64) -> Result<Updates, LinkFault>;
@@ -109,13 +70,10 @@ pub trait AnalogPort: FramePort {
     fn reply(&mut self, reply: &Reply) -> Result<(), LinkFault>;
 }
 
-/// The digital processor's end.
 pub trait DigitalPort {
     /// Waits for samples n. In a free-running session that overran, the samples that
     /// come may bear a later number; in lock-step never.
     fn await_samples(&mut self, frame: u64) -> Result<Samples, LinkFault>;
-    /// Sends updates n.
     fn send_updates(&mut self, updates: &Updates) -> Result<(), LinkFault>;
-    /// Sends a request and waits for its reply.
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault>;
 }

@@ -99,7 +99,6 @@ impl Patience {
 
 /// What a wait can see of the other side.
 pub trait Watch {
-    /// Which side it is.
     fn side(&self) -> Side;
     /// Rung by the partner after each message.
     fn bell(&self) -> &Bell;
@@ -113,6 +112,12 @@ pub trait Watch {
     fn stopped(&self) -> bool;
     /// Processor time used so far, where it can be told.
     fn cpu_time(&self) -> Option<Duration>;
+}
+
+/// What sees the other side.
+pub trait Watched {
+    type Partner: Watch;
+    fn partner(&self) -> &Self::Partner;
 }
 
 /// When a wait for a live partner ends.
@@ -135,15 +140,15 @@ fn are_apart() -> bool {
 }
 
 /// Waits until `attempt` gives something.
-pub(super) fn wait<W: Watch, T>(
+pub(super) fn wait<W: Watched, T>(
     patience: &Patience,
-    watch: &mut W,
+    wire: &mut W,
     limit: Limit,
     frame: u64,
     mut attempt: impl FnMut(&mut W) -> Result<Option<T>, LinkFault>,
 ) -> Result<T, LinkFault> {
     patience.check_interrupt(frame)?;
-    if let Some(found) = attempt(watch)? {
+    if let Some(found) = attempt(wire)? {
         return Ok(found);
     }
     let start = Instant::now();
@@ -152,11 +157,11 @@ pub(super) fn wait<W: Watch, T>(
     let spin = if !prompt && are_apart() { SPIN_APART } else { SPIN };
     while start.elapsed() < spin {
         std::hint::spin_loop();
-        if let Some(found) = attempt(watch)? {
+        if let Some(found) = attempt(wire)? {
             return Ok(found);
         }
     }
-    let awake = match (prompt, watch.bell().crowded()) {
+    let awake = match (prompt, wire.partner().bell().crowded()) {
         (true, _) => YIELD_PROMPT,
         (false, false) => YIELD,
         (false, true) => Duration::ZERO,
@@ -165,8 +170,8 @@ pub(super) fn wait<W: Watch, T>(
     while now < awake {
         rustix::thread::sched_yield();
         let before = std::mem::replace(&mut now, start.elapsed());
-        let slow = watch.bell().yielded_for(now - before);
-        if let Some(found) = attempt(watch)? {
+        let slow = wire.partner().bell().yielded_for(now - before);
+        if let Some(found) = attempt(wire)? {
             return Ok(found);
         }
         if slow && !prompt {
@@ -186,36 +191,32 @@ pub(super) fn wait<W: Watch, T>(
             Limit::After(_) => (waited / 8).clamp(SLICE_ARRIVAL, SLICE_MAX),
             _ => (waited / 8).clamp(SLICE_MIN, SLICE_MAX),
         };
-        let heard = watch.bell().listen();
-        let found = attempt(watch);
+        let heard = wire.partner().bell().listen();
+        let found = attempt(wire);
         if !matches!(found, Ok(None)) {
-            watch.bell().stay_awake();
+            wire.partner().bell().stay_awake();
         }
         if let Some(found) = found? {
             return Ok(found);
         }
-        watch.bell().sleep(heard, slice);
-        let mut gone = watch.gone();
+        wire.partner().bell().sleep(heard, slice);
+        let mut gone = wire.partner().gone();
         if !gone && looked.elapsed() > LOOK {
-            gone = watch.left();
+            gone = wire.partner().left();
             looked = Instant::now();
-            stopped = stopped.or(Some(looked)).filter(|_| watch.stopped());
+            stopped = stopped.or(Some(looked)).filter(|_| wire.partner().stopped());
         }
         // Once more even when it is gone: its last message may have come first.
-        if let Some(found) = attempt(watch)? {
+        if let Some(found) = attempt(wire)? {
             return Ok(found);
         }
         if gone {
             // In one process both sides hear of an interrupt, and either may leave first.
             patience.check_interrupt(frame)?;
-            return Err(LinkFault::PartnerDied {
-                side: watch.side().name(),
-                frame,
-                detail: watch.epitaph(),
-            });
+            return Err(super::end::died(wire.partner(), frame));
         }
         if limit != Limit::Unlimited && stopped.is_some_and(|s| s.elapsed() > STOPPED) {
-            return Err(LinkFault::Stopped { side: watch.side().name(), frame });
+            return Err(LinkFault::Stopped { side: wire.partner().side().name(), frame });
         }
         let over = match limit {
             Limit::Unlimited => false,
@@ -223,14 +224,14 @@ pub(super) fn wait<W: Watch, T>(
             // Reading the partner's processor time costs more than most waits last.
             Limit::Silence | Limit::Prompt if waited < SLICE_MAX => false,
             Limit::Silence | Limit::Prompt => {
-                let window = window.get_or_insert_with(|| Window::new(watch));
+                let window = window.get_or_insert_with(|| Window::new(wire.partner()));
                 window.start.elapsed() > patience.silence
-                    && (waited > patience.busy_limit || !window.renew_if_busy(watch))
+                    && (waited > patience.busy_limit || !window.renew_if_busy(wire.partner()))
             }
         };
         if over {
             return Err(LinkFault::Deadline {
-                side: watch.side().name(),
+                side: wire.partner().side().name(),
                 frame,
                 waited_s: waited.as_secs_f64(),
             });

@@ -8,58 +8,20 @@ use crate::{
 /// What was out of order.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ProtocolError {
-    /// The two processes speak different protocols.
     #[error("protocol version {theirs} met version {ours}; run both processes from the same build")]
-    Version {
-        /// This side's version.
-        ours: u32,
-        /// The partner's version.
-        theirs: u32,
-    },
-    /// The two processes lay their frames out differently.
+    Version { ours: u32, theirs: u32 },
     #[error(
         "frame layout {theirs:016x} met layout {ours:016x}; run both processes from the same build"
     )]
-    Layout {
-        /// This side's layout hash.
-        ours: u64,
-        /// The partner's layout hash.
-        theirs: u64,
-    },
-    /// The analog side loaded another patch than the one that was sent.
+    Layout { ours: u64, theirs: u64 },
     #[error("the patch arrived altered: hash {sent} was sent, {loaded} was loaded")]
-    PatchHash {
-        /// Hash of the bundle in the request.
-        sent: String,
-        /// Hash in the reply.
-        loaded: String,
-    },
-    /// A message came at a moment when it has no place.
+    PatchHash { sent: String, loaded: String },
     #[error("{message} has no place while {phase}")]
-    OutOfOrder {
-        /// What came.
-        message: &'static str,
-        /// What the session was doing.
-        phase: &'static str,
-    },
-    /// A frame came with another number than the next one.
+    OutOfOrder { message: &'static str, phase: &'static str },
     #[error("{message} {found} came where {expected} was due")]
-    FrameNumber {
-        /// `samples` or `updates`.
-        message: &'static str,
-        /// Number due.
-        expected: u64,
-        /// Number found.
-        found: u64,
-    },
-    /// The reply does not belong to the request.
+    FrameNumber { message: &'static str, expected: u64, found: u64 },
     #[error("the request {request} was answered by {reply}")]
-    ReplyKind {
-        /// The request.
-        request: &'static str,
-        /// The reply.
-        reply: &'static str,
-    },
+    ReplyKind { request: &'static str, reply: &'static str },
 }
 
 impl ProtocolError {

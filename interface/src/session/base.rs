@@ -10,13 +10,13 @@ use super::{
     remains::{PREFIX_LENGTH, SHARED_MEMORY},
 };
 use rustix::{
-    fs::{Access, FlockOperation, Mode, OFlags, access, flock, fstat, stat, statfs, statvfs},
+    fs::{Access, FlockOperation, Mode, OFlags, access, flock, fstat, lstat, statfs, statvfs},
     io::Errno,
 };
 use std::{
     fs,
     os::{
-        fd::OwnedFd,
+        fd::{AsFd, OwnedFd},
         unix::ffi::OsStrExt,
         unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt},
     },
@@ -160,13 +160,7 @@ impl BaseLock {
             match flock(&descriptor, FlockOperation::NonBlockingLockExclusive) {
                 Ok(()) => {
                     // The directory may have been removed (and made anew) before we got its lock.
-                    let same = match (fstat(&descriptor), stat(&path)) {
-                        (Ok(held), Ok(named)) => {
-                            held.st_ino == named.st_ino && held.st_dev == named.st_dev
-                        }
-                        _ => false,
-                    };
-                    if same {
+                    if is_same_file(&descriptor, &path) {
                         return Ok(Some(BaseLock { path, _descriptor: descriptor }));
                     }
                 }
@@ -190,6 +184,14 @@ impl BaseLock {
     pub(super) fn release(self) {
         // Fails, as it should, while anything is in it.
         let _ = fs::remove_dir(&self.path);
+    }
+}
+
+/// Whether what is open is what has that name, and not a namesake that followed it.
+pub(super) fn is_same_file(held: impl AsFd, path: &Path) -> bool {
+    match (fstat(held), lstat(path)) {
+        (Ok(held), Ok(named)) => held.st_ino == named.st_ino && held.st_dev == named.st_dev,
+        _ => false,
     }
 }
 

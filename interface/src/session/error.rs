@@ -13,86 +13,26 @@ const NAME_LIMIT: usize = 48;
 /// Why a session cannot be had.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
-    /// The base directory cannot be trusted.
     #[error("the base directory {} is refused: {reason}; set {BASE_VARIABLE} to a directory of your own", path.display())]
-    ForeignBase {
-        /// The directory.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: &'static str,
-    },
-    /// The transport cannot work with the base's path.
+    ForeignBase { path: PathBuf, reason: &'static str },
     #[error("the base directory {} cannot be used: {reason}; set {BASE_VARIABLE} to a directory whose path has at most {limit} bytes, all of them printable ASCII other than {}", path.display(), FORBIDDEN)]
-    BasePath {
-        /// The directory, links resolved.
-        path: PathBuf,
-        /// What is wrong with its path.
-        reason: String,
-        /// Longest path for a session of this name.
-        limit: usize,
-    },
-    /// Too little free space: a full file system would end the process by a signal.
+    BasePath { path: PathBuf, reason: String, limit: usize },
     #[error("{} has {found_kib} KiB of free space, and a session needs {needed_kib} KiB; free some, or make the file system larger", path.display())]
-    NoRoom {
-        /// Where.
-        path: PathBuf,
-        /// KiB needed.
-        needed_kib: u64,
-        /// KiB found.
-        found_kib: u64,
-    },
-    /// The base stayed locked.
+    NoRoom { path: PathBuf, needed_kib: u64, found_kib: u64 },
     #[error("the base directory {} stayed locked by another process", path.display())]
-    BaseBusy {
-        /// The directory.
-        path: PathBuf,
-    },
-    /// Not a name for a session.
+    BaseBusy { path: PathBuf },
     #[error("`{name}` is no name for a session: use 1 to {NAME_LIMIT} letters, digits, `-` or `_`")]
-    Name {
-        /// The name as given.
-        name: String,
-    },
-    /// A live session has this name.
+    Name { name: String },
     #[error("a session named `{name}` is running already; choose another name")]
-    InUse {
-        /// The name.
-        name: String,
-    },
-    /// No session has this name.
+    InUse { name: String },
     #[error("no session named `{name}` is running{}", known_list(known))]
-    Unknown {
-        /// The name.
-        name: String,
-        /// Sessions that do run.
-        known: Vec<String>,
-    },
-    /// The session's other side is gone.
+    Unknown { name: String, known: Vec<String> },
     #[error("{} of session `{name}` is gone", side.name())]
-    Deserted {
-        /// The name.
-        name: String,
-        /// The side that is gone.
-        side: Side,
-    },
-    /// Somebody else plays this part.
+    Deserted { name: String, side: Side },
     #[error("session `{name}` already has its {}", side.name())]
-    Taken {
-        /// The name.
-        name: String,
-        /// The side that is taken.
-        side: Side,
-    },
-    /// The operating system refused.
+    Taken { name: String, side: Side },
     #[error("{doing} failed at {}: {source}", path.display())]
-    Io {
-        /// What was being done.
-        doing: &'static str,
-        /// Where.
-        path: PathBuf,
-        /// Its reason.
-        source: std::io::Error,
-    },
+    Io { doing: &'static str, path: PathBuf, source: std::io::Error },
 }
 
 fn known_list(known: &[String]) -> String {

@@ -52,11 +52,6 @@ impl Session {
         Session::join_in(&base_directory(), side, name)
     }
 
-    /// Every session that runs, by name.
-    pub fn list() -> Result<Vec<SessionInfo>, SessionError> {
-        Session::list_in(&base_directory())
-    }
-
     /// [`Session::create`] in a given base directory.
     pub fn create_in(base: &Path, side: Side, name: Option<&str>) -> Result<Session, SessionError> {
         if let Some(name) = name {
@@ -123,7 +118,7 @@ impl Session {
         Ok(Session(Arc::new(place)))
     }
 
-    /// [`Session::list`] in a given base directory.
+    /// Every session that runs in a base directory, by name.
     pub fn list_in(base: &Path) -> Result<Vec<SessionInfo>, SessionError> {
         let Some(held) = BaseLock::existing(base)? else {
             return Ok(Vec::new());
@@ -131,7 +126,6 @@ impl Session {
         Ok(infos(held.path()))
     }
 
-    /// Name of the session, which the partner joins.
     pub fn name(&self) -> &str {
         &self.0.name
     }
@@ -146,7 +140,6 @@ impl Session {
         self.0.joined
     }
 
-    /// Directory of the session.
     pub fn root(&self) -> &Path {
         &self.0.root
     }
@@ -154,11 +147,6 @@ impl Session {
     /// Prefix of the session's shared-memory files.
     pub fn prefix(&self) -> &str {
         &self.0.prefix
-    }
-
-    /// The base directory in which the session lives.
-    pub fn base(&self) -> &Path {
-        &self.0.base
     }
 
     /// Gives up this side's place now, even where clones of it live on.
@@ -175,7 +163,7 @@ impl Session {
     /// A child just started to be the partner, which has not joined yet. The
     /// caller must not have reaped it.
     pub fn child(&self, pid: u32) -> Result<Partner, SessionError> {
-        Partner::open(self.side().partner(), pid, None)
+        Partner::open(pid, None)
             .map_err(|e| SessionError::io("watching the partner", self.root(), e.into()))
     }
 
@@ -185,12 +173,11 @@ impl Session {
         let Some(_held) = BaseLock::existing(&self.0.base)? else {
             return Ok(None);
         };
-        let side = self.side().partner();
-        let path = lock_path(self.root(), side);
+        let path = lock_path(self.root(), self.side().partner());
         let Some(pid) = holder(&path) else {
             return Ok(None);
         };
-        let partner = Partner::open(side, pid, Some(path)).ok();
+        let partner = Partner::open(pid, Some(path)).ok();
         // Still held after the pidfd was taken: so the pid was the holder's all along.
         Ok(partner.filter(|partner| !partner.left()))
     }

@@ -5,7 +5,6 @@
 //! from a session's lock file while the lock is held. It becomes readable the
 //! moment the process ends.
 
-use crate::Side;
 use rustix::{
     event::{PollFd, PollFlags, Timespec, poll},
     fs::{FlockOperation, flock},
@@ -22,7 +21,6 @@ use std::{
 /// The process at the other end.
 #[derive(Debug)]
 pub struct Partner {
-    side: Side,
     pid: u32,
     pidfd: OwnedFd,
     /// Its lock file, once it has joined the session.
@@ -31,24 +29,13 @@ pub struct Partner {
 
 impl Partner {
     /// Names process `pid`, which the caller knows to be the partner and not to be reaped.
-    pub(super) fn open(side: Side, pid: u32, lock: Option<PathBuf>) -> Result<Partner, Errno> {
+    pub(super) fn open(pid: u32, lock: Option<PathBuf>) -> Result<Partner, Errno> {
         let raw = i32::try_from(pid).map_err(|_| Errno::INVAL)?;
         let named = Pid::from_raw(raw).ok_or(Errno::INVAL)?;
         let pidfd = pidfd_open(named, PidfdFlags::empty())?;
-        Ok(Partner { side, pid, pidfd, lock })
+        Ok(Partner { pid, pidfd, lock })
     }
 
-    /// Which processor it is.
-    pub fn side(&self) -> Side {
-        self.side
-    }
-
-    /// Its process id.
-    pub fn pid(&self) -> u32 {
-        self.pid
-    }
-
-    /// Whether the process has ended.
     pub fn ended(&self) -> bool {
         let mut polled = [PollFd::new(&self.pidfd, PollFlags::IN)];
         poll(&mut polled, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)

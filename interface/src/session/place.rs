@@ -1,7 +1,7 @@
 //! One side's place in a session: a lock file that is held as long as the side lives.
 
 use super::{
-    base::BaseLock,
+    base::{BaseLock, is_same_file},
     error::SessionError,
     partner::is_held,
     remains::{lock_path, remove_session, root_of},
@@ -12,9 +12,9 @@ use rustix::{
     io::Errno,
 };
 use std::{
-    fs::{self, File, OpenOptions},
+    fs::{File, OpenOptions},
     io::{Seek, Write},
-    os::unix::fs::{MetadataExt, OpenOptionsExt},
+    os::unix::fs::OpenOptionsExt,
     path::{Path, PathBuf},
     sync::{
         Mutex, PoisonError,
@@ -90,13 +90,6 @@ impl Place {
 impl Drop for Place {
     fn drop(&mut self) {
         self.leave();
-    }
-}
-
-fn is_same_file(file: &File, path: &Path) -> bool {
-    match (file.metadata(), fs::symlink_metadata(path)) {
-        (Ok(held), Ok(named)) => held.ino() == named.ino() && held.dev() == named.dev(),
-        _ => false,
     }
 }
 

@@ -17,10 +17,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A running session, as `Session::list` finds it.
+/// A running session, as [`super::Session::list_in`] finds it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionInfo {
-    /// Its name.
     pub name: String,
     /// Pid of its analog side, if present.
     pub analog: Option<u32>,

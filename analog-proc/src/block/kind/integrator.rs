@@ -29,14 +29,8 @@ fn integrator(f: &mut Fields<'_, '_>) -> Option<Integrator> {
             return None;
         }
         if ic < low || ic > high {
-            f.fault_at("ic", |src, at| PatchFault::IcOutsideLimits {
-                src,
-                at,
-                ic,
-                low,
-                high,
-                help: "the feedback diodes would conduct at once: move the IC or the limits".into(),
-            });
+            let help = "the feedback diodes would conduct at once: move the IC or the limits";
+            f.fault_at("ic", Flaw::IcOutsideLimits { ic, low, high }, help);
             return None;
         }
     }

@@ -53,14 +53,9 @@ fn pot(f: &mut Fields<'_, '_>) -> Option<Pot> {
     if (0.0..=1.0).contains(&value) {
         return Some(Pot { k: value });
     }
-    f.fault_at("k", |src, at| PatchFault::PotFraction {
-        src,
-        at,
-        value,
-        help:
-            "a pot attenuates; use a `gain` block, or a coefficient on the input, for anything else"
-                .into(),
-    });
+    let help =
+        "a pot attenuates; use a `gain` block, or a coefficient on the input, for anything else";
+    f.fault_at("k", Flaw::PotFraction { value }, help);
     None
 }
 

@@ -3,7 +3,7 @@
 use super::Fields;
 use crate::block::kind::{Inverter, Summer};
 use crate::net::{Input, Kind, Level, Span};
-use crate::patch::diagnostic::PatchFault;
+use crate::patch::diagnostic::Flaw;
 use crate::patch::number::not_finite;
 use desk::reader::{Board, Data, Value};
 use engine::id::NetId;
@@ -19,12 +19,9 @@ impl Fields<'_, '_> {
             return Some(Some(input.net));
         }
         let net = self.board.faults.sources.text(input.span).to_owned();
-        self.fault_at(key, |src, at| PatchFault::LogicCoefficient {
-            src,
-            at,
-            net: net.trim_matches(['"', '\'']).to_owned(),
-            help: "logic is 0 or 1; invert it with a `not` block".into(),
-        });
+        let net = net.trim_matches(['"', '\'']).to_owned();
+        let help = "logic is 0 or 1; invert it with a `not` block";
+        self.fault_at(key, Flaw::LogicCoefficient { net }, help);
         None
     }
 
@@ -82,19 +79,15 @@ impl Fields<'_, '_> {
             return input.net;
         }
         let name = format!("{}.{part}", self.block);
-        {
-            let at = self.at;
-            self.board.hide(name, at, Kind::Summer(Summer), input)
-        }
+        let at = self.at;
+        self.board.hide(name, at, Kind::Summer(Summer), input)
     }
 
     /// Makes a hidden inverter of a net.
     pub(crate) fn inverted(&mut self, net: NetId, part: &str, span: Span) -> NetId {
         let name = format!("{}.{part}", self.block);
         let input = Input { net, coefficient: 1.0, span };
-        {
-            let at = self.at;
-            self.board.hide(name, at, Kind::Inverter(Inverter), input)
-        }
+        let at = self.at;
+        self.board.hide(name, at, Kind::Inverter(Inverter), input)
     }
 }

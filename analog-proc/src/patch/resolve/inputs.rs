@@ -8,7 +8,7 @@ use super::{Resolver, Weighted, article};
 use crate::block::kind::Inputs;
 use crate::net::{Input, Span};
 use crate::patch::coefficient::{FactorValue, parse};
-use crate::patch::diagnostic::PatchFault;
+use crate::patch::diagnostic::Flaw;
 use crate::patch::fields::Fields;
 use crate::patch::number::{self, bad_coefficient, evaluate, part_of};
 use crate::patch::scope::Scope;
@@ -83,34 +83,19 @@ impl Resolver<'_> {
             self.faults.omit();
             return None;
         }
-        if params.contains_key(name) {
-            self.faults.push(at, |src, at| PatchFault::UnknownNet {
-                src,
-                at,
-                net: name.to_owned(),
-                help: format!("`{name}` is a parameter; to use it as a signal, make it a block: {{ kind = \"constant\", value = \"{name}\" }}"),
-            });
-            return None;
-        }
-        if self.nets.len() > MOST_SEARCHED && self.faults.count() >= FIRST_FAULTS {
-            self.faults.push(at, |src, at| PatchFault::UnknownNet {
-                src,
-                at,
-                net: name.to_owned(),
-                help: "check the spelling against [blocks]; near names are shown for the first faults only".into(),
-            });
-            return None;
-        }
-        let ports = self.bound.get(scope).into_iter().flat_map(|p| p.keys());
-        let mut near: Vec<&str> = ports.map(String::as_str).collect();
-        near.extend(self.nets.iter().filter_map(|net| net.name.strip_prefix(prefix.as_str())));
-        let help = suggestion(name, near);
-        self.faults.push(at, |src, at| PatchFault::UnknownNet {
-            src,
-            at,
-            net: name.to_owned(),
-            help,
-        });
+        let help = if params.contains_key(name) {
+            format!(
+                "`{name}` is a parameter; to use it as a signal, make it a block: {{ kind = \"constant\", value = \"{name}\" }}"
+            )
+        } else if self.nets.len() > MOST_SEARCHED && self.faults.count() >= FIRST_FAULTS {
+            "check the spelling against [blocks]; near names are shown for the first faults only"
+                .into()
+        } else {
+            let ports = self.bound.get(scope).into_iter().flat_map(|p| p.keys());
+            let nets = self.nets.iter().filter_map(|net| net.name.strip_prefix(prefix.as_str()));
+            suggestion(name, ports.map(String::as_str).chain(nets))
+        };
+        self.faults.push(at, Flaw::UnknownNet { net: name.to_owned() }, help);
         None
     }
 }
@@ -149,26 +134,19 @@ pub(super) fn inputs_of(fields: &mut Fields<'_, '_>, arity: Inputs, kind: &str) 
         } else {
             "name each input in the list `in`".to_owned()
         };
-        fields.board.faults.push(entry.value.span, |src, at| PatchFault::Arity {
-            src,
-            at,
-            owner,
-            wanted: arity.words(),
-            found,
+        fields.board.faults.push(
+            entry.value.span,
+            Flaw::Arity { owner, wanted: arity.words(), found },
             help,
-        });
+        );
     }
     items.into_iter().filter_map(|item| fields.board.own_input("in", item)).collect()
 }
 
 fn unconnected(owner: String, at: Span, arity: Inputs, fields: &mut Fields<'_, '_>) {
-    fields.board.faults.push(at, |src, at| PatchFault::UnconnectedInput {
-        src,
-        at,
-        owner,
-        help: format!(
-            "it takes {}: in = [\"NET\"]; for a fixed input wire a `constant` block",
-            arity.words()
-        ),
-    });
+    let help = format!(
+        "it takes {}: in = [\"NET\"]; for a fixed input wire a `constant` block",
+        arity.words()
+    );
+    fields.board.faults.push(at, Flaw::UnconnectedInput { owner }, help);
 }

@@ -1,10 +1,11 @@
 //! A digital law of a loop study as it stands in the text.
 
 use super::{
-    super::{loop_law::Element, plan::LabError, table::Table1},
+    super::{loop_law::Element, theory::Refusal},
     LawSpec,
 };
 use desk::reader::{Named, SheetFields};
+use vehicle::table::Table;
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -47,7 +48,7 @@ pub(super) fn law(f: &mut SheetFields<'_, '_>) -> Option<LawSpec> {
         }
         Kind::Table => {
             let (x, y) = (f.numbers("x"), f.numbers("y"));
-            let table = Table1::new(x?, y?);
+            let table = Table::new(x?, y?).map_err(Refusal::Table);
             Element::Table(accepted(f, "x", table)?)
         }
         _ => {
@@ -60,10 +61,10 @@ pub(super) fn law(f: &mut SheetFields<'_, '_>) -> Option<LawSpec> {
 }
 
 /// What was made of the values of a field, or a fault there.
-fn accepted<T>(f: &mut SheetFields<'_, '_>, key: &str, made: Result<T, LabError>) -> Option<T> {
+fn accepted<T>(f: &mut SheetFields<'_, '_>, key: &str, made: Result<T, Refusal>) -> Option<T> {
     let (fault, remedy) = match made {
         Ok(made) => return Some(made),
-        Err(LabError::Setting { what, value, range }) => {
+        Err(Refusal::Setting { what, value, range }) => {
             (format!("{what} is {value}"), format!("it must be {range}"))
         }
         Err(other) => (other.to_string(), "correct it here".to_owned()),

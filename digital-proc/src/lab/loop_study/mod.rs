@@ -4,12 +4,13 @@
 //! the line; all that can be judged without the patch are reported at once.
 
 mod law_text;
+mod poles;
 mod remark;
 mod row;
 mod swing;
 mod text;
 
-use self::{remark::Remark, row::LoopRow};
+use self::{poles::Poles, remark::Remark, row::LoopRow};
 use super::{
     bench::chosen,
     loop_law::{Element, LoopLaw},
@@ -165,10 +166,17 @@ impl LoopStudy {
             profile.dac.bits = chosen(bits);
         }
         let bits = profile.adc.bits.as_ref().map(|b| b.value);
-        let mut law = self.law(bench.load(bundle.clone(), self.params.clone(), profile)?)?;
+        let channels = bench.load(bundle.clone(), self.params.clone(), profile.clone())?;
+        let mut law = self.law(channels)?;
+        let poles = Poles::of(self, bench, &profile, case)?;
         let spec = lock_step(case.frame, case.latency, Tick::ZERO, self.stop);
         let saturated = bench.operate(&spec, &mut |samples, updates| law.step(samples, updates))?;
-        self.row(&LoopCase { bits, ..*case }, law.record(), &saturated)
+        let mut row = self.row(&LoopCase { bits, ..*case }, law.record(), &saturated)?;
+        match poles {
+            Ok(poles) => row.poles = Some(poles),
+            Err(reason) => row.remarks.push(Remark::NoPoles(reason)),
+        }
+        Ok(row)
     }
 }
 
@@ -210,6 +218,11 @@ impl Experiment for Loop {
             }),
             Column::new("zeta", "", |r| r.root.map(damping_ratio).into()),
             Column::new("omega", "rad/s", |r| r.root.map(|s| s.modulus()).into()),
+            Column::new("zeta exact", "", |r| r.exact().map(damping_ratio).into()),
+            Column::new("omega exact", "rad/s", |r| r.exact().map(|s| s.modulus()).into()),
+            Column::of("spectral radius", "", 6, |r| {
+                r.poles.as_ref().map(Poles::spectral_radius).into()
+            }),
             Column::of("growth per cycle", "", 5, |r| r.root.map(growth_per_cycle).into()),
             Column::of("last tenth / first tenth", "", 3, |r| r.last_over_first.into()),
             Column::of("fit", "", 2, |r| r.fit.into()),
@@ -218,7 +231,7 @@ impl Experiment for Loop {
                 Cell::from(all.join("; "))
             }),
         ];
-        let caption = "Least damped oscillatory mode of each case; fit is what the modes leave of the record.";
+        let caption = "Least damped oscillatory mode of each case; fit is what the modes leave of the record. Exact: the poles of the loop made linear at its initial condition, sampled, held and late as it is; beyond a spectral radius of 1 it is unstable.";
         outcome.section("Numbers").table("loop", caption, Table::of(&columns, &rows));
 
         // Latency in frames, to a thousandth, and bits: what makes a curve.

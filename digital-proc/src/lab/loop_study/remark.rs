@@ -37,6 +37,8 @@ pub enum Remark {
     NotOneDecay { fit: f64 },
     /// It swings on to the end.
     Swings(Swing),
+    /// There are no exact poles, for this reason.
+    NoPoles(String),
 }
 
 impl Remark {
@@ -66,7 +68,7 @@ impl Remark {
             Remark::Swings(_) => Some(
                 "swings on: a limit cycle, an undamped loop, or an input of that period.".into(),
             ),
-            Remark::NoModes | Remark::NoOscillation { .. } => None,
+            Remark::NoModes | Remark::NoOscillation { .. } | Remark::NoPoles(_) => None,
         }
     }
 }
@@ -82,6 +84,7 @@ impl fmt::Display for Remark {
             Remark::NoModes => f.write_str("constant"),
             Remark::NoOscillation { .. } => f.write_str("does not oscillate"),
             Remark::NotOneDecay { .. } => f.write_str("not one decay"),
+            Remark::NoPoles(reason) => write!(f, "no exact poles: {reason}"),
             Remark::Swings(swing) => write!(
                 f,
                 "swings on: amplitude {:.3e}, period {:.4} s",

@@ -7,12 +7,12 @@
 use super::{
     super::{
         bench::Saturated,
-        identify::{self, IdentifyError},
+        identify,
         modal_fit::ModalFit,
-        plan::LabError,
-        theory::{C64, damping_ratio, equivalent_root},
+        theory::{C64, Refusal, damping_ratio, equivalent_root},
     },
     LoopCase, LoopStudy,
+    poles::Poles,
     remark::{Remark, STEPS_HIGH, WORST_FIT},
     swing::Swing,
 };
@@ -46,6 +46,8 @@ pub struct LoopRow {
     /// What the modes of the record's first two thirds leave of all of it, rms over rms; none
     /// where no mode was sought.
     pub fit: Option<f64>,
+    /// What the loop does by its exact poles, where it has them.
+    pub poles: Option<Poles>,
     /// Why a value is missing, and what else happened.
     pub remarks: Vec<Remark>,
 }
@@ -76,7 +78,7 @@ impl LoopStudy {
         case: &LoopCase,
         record: &[f64],
         saturated: &Saturated,
-    ) -> Result<LoopRow, LabError> {
+    ) -> Result<LoopRow, Refusal> {
         identify::check(record, identify::SHORTEST)?;
         let frames = |t: interface::Tick| (t.0 / case.frame.0) as usize;
         let first = frames(interface::Tick(self.from.0 + case.frame.0 - 1)).min(record.len());
@@ -128,13 +130,21 @@ impl LoopStudy {
                 .then(|| peak(&judged[judged.len() - tenth..]) / before)
                 .filter(|ratio| ratio.is_finite()),
             fit,
+            poles: None,
             remarks,
         })
     }
 }
 
+impl LoopRow {
+    /// The exact root that belongs to the measured one.
+    pub fn exact(&self) -> Option<C64> {
+        self.poles.as_ref()?.oscillation(self.root)
+    }
+}
+
 /// The mode of a record, or why none is told. Faults are those of a record that is none.
-fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, LabError> {
+fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, Refusal> {
     let step = converter_step(record);
     let judged = match above_the_steps(record, step) {
         Some(judged) => judged,
@@ -144,7 +154,7 @@ fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, LabError>
     let floor = (2.0 * step / peak(judged)).max(1e-9);
     let sought = |part: &[f64]| match identify::factors(part, floor) {
         Ok(z) => Ok(z),
-        Err(IdentifyError::NoOscillation) => Ok(Vec::new()),
+        Err(Refusal::NoOscillation) => Ok(Vec::new()),
         Err(e) => Err(e),
     };
     let z = sought(judged)?;

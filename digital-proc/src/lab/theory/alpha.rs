@@ -38,7 +38,7 @@
 //! K = 0.5; with Euler or a rate held over the frame it lags by half a frame, and the shift at
 //! K = 0.2 is three times too large.
 
-use super::{C64, TheoryError, frame_and_latency, in_range, period_map::PeriodMap};
+use super::{C64, Refusal, frame_and_latency, period_map::PeriodMap, require};
 use nalgebra::DMatrix;
 
 /// The rotational equations of one plane.
@@ -157,10 +157,10 @@ const ORDER: usize = 10;
 
 impl AlphaLoop {
     /// Monodromy over one slow frame.
-    pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
+    pub fn period_map(&self) -> Result<PeriodMap, Refusal> {
         let (frame, latency) = frame_and_latency(self.frame_s, self.latency_s)?;
         let slow = self.scheme.slow_frames();
-        in_range("slow frames", f64::from(slow), slow >= 1, "≥ 1")?;
+        require("slow frames", f64::from(slow), slow >= 1, "≥ 1")?;
 
         let r = &self.rotation;
         let redundant = matches!(self.scheme, Scheme::Redundant { .. });
@@ -233,12 +233,12 @@ impl AlphaLoop {
     }
 
     /// Exact equivalent root on the branch of the continuous one.
-    pub fn exact_root(&self) -> Result<C64, TheoryError> {
+    pub fn exact_root(&self) -> Result<C64, Refusal> {
         self.period_map()?.root_near(self.rotation.continuous_root())
     }
 
     /// Stable when every |z| of the slow period is below 1.
-    pub fn spectral_radius(&self) -> Result<f64, TheoryError> {
+    pub fn spectral_radius(&self) -> Result<f64, Refusal> {
         self.period_map()?.spectral_radius()
     }
 }

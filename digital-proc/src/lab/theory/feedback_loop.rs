@@ -5,7 +5,12 @@
 //! `t_n + τ`, 0 ≤ τ ≤ T, through any [`Hold`]. Where a sample and a transfer fall
 //! on one instant the sample comes first, which is the rule of the machine.
 
-use super::{C64, TheoryError, frame_and_latency, hold::Hold, period_map::PeriodMap};
+use super::{
+    C64, Refusal,
+    hold::Hold,
+    period_map::PeriodMap,
+    sampled_loop::{LinearLaw, Plant, period_map},
+};
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// A loop to be solved exactly; its constructors make the shapes that fit.
@@ -64,69 +69,35 @@ impl FeedbackLoop {
     }
 
     /// Root in the upper half plane of the loop closed without any interface.
-    pub fn continuous_root(&self) -> Result<C64, TheoryError> {
+    pub fn continuous_root(&self) -> Result<C64, Refusal> {
         let closed = &self.a + &self.b * &self.c * self.gain;
         super::period_map::eigenvalues(&closed)?
             .into_iter()
             .filter(|s| s.im > 0.0)
             .max_by(|p, q| p.re.total_cmp(&q.re))
-            .ok_or(TheoryError::NoRoot)
+            .ok_or(Refusal::NoRoot)
     }
 
     /// One frame from just before a sample to just before the next.
     ///
-    /// State `[x; y; ẏ; pending; m_{n−1}; last transferred]`, n + 5.
-    pub fn period_map(&self) -> Result<PeriodMap, TheoryError> {
-        let n = self.a.nrows();
-        let (frame, latency) = frame_and_latency(self.frame_s, self.latency_s)?;
-        let size = n + 5;
-        let (y, slope, pending, previous, last) = (n, n + 1, n + 2, n + 3, n + 4);
-
-        let mut generator = DMatrix::zeros(size, size);
-        generator.view_mut((0, 0), (n, n)).copy_from(&self.a);
-        generator.view_mut((0, y), (n, 1)).copy_from(&self.b);
-        generator[(y, slope)] = 1.0;
-
-        let mut sample = DMatrix::identity(size, size);
-        sample.row_mut(pending).fill(0.0);
-        sample.row_mut(previous).fill(0.0);
-        for i in 0..n {
-            sample[(pending, i)] = self.gain * (1.0 + self.lead_frames) * self.c[i];
-            sample[(previous, i)] = self.c[i];
-        }
-        sample[(pending, previous)] = -self.gain * self.lead_frames;
-
-        let mut transfer = DMatrix::identity(size, size);
-        transfer.row_mut(y).fill(0.0);
-        transfer.row_mut(slope).fill(0.0);
-        transfer.row_mut(last).fill(0.0);
-        transfer[(last, pending)] = 1.0;
-        let line = |t: &mut DMatrix<f64>| {
-            t[(slope, pending)] = 1.0 / frame;
-            t[(slope, last)] = -1.0 / frame;
+    /// # Errors
+    /// A frame or latency out of range.
+    pub fn period_map(&self) -> Result<PeriodMap, Refusal> {
+        let one = |value: f64| DMatrix::from_element(1, 1, value);
+        let (order, lead) = (self.a.nrows(), self.gain * self.lead_frames);
+        let plant = Plant {
+            a: self.a.clone(),
+            b: DMatrix::from_column_slice(order, 1, self.b.as_slice()),
+            c: DMatrix::from_row_slice(1, order, self.c.as_slice()),
+            d: one(0.0),
         };
-        match self.hold {
-            Hold::ZeroOrder => transfer[(y, pending)] = 1.0,
-            Hold::Extrapolating => {
-                transfer[(y, pending)] = 1.0;
-                line(&mut transfer);
-            }
-            Hold::Interpolating => {
-                transfer[(y, last)] = 1.0;
-                line(&mut transfer);
-            }
-        }
-
-        let mut map = PeriodMap::new(size);
-        map.jump(&sample);
-        map.flow(&generator, latency);
-        map.jump(&transfer);
-        map.flow(&generator, frame - latency);
-        Ok(map)
+        // w_n = m_{n−1}.
+        let law = LinearLaw { f: one(0.0), g: one(1.0), h: one(-lead), j: one(self.gain + lead) };
+        period_map(&plant, &law, self.hold, self.frame_s, self.latency_s)
     }
 
     /// Exact equivalent root on the branch of the continuous one.
-    pub fn exact_root(&self) -> Result<C64, TheoryError> {
+    pub fn exact_root(&self) -> Result<C64, Refusal> {
         self.period_map()?.root_near(self.continuous_root()?)
     }
 
@@ -139,14 +110,14 @@ impl FeedbackLoop {
     /// where `1 + L(s) = 0` closes the loop through the sampled path.
     ///
     /// `L = −k c (sI − A)⁻¹ b`, `L′ = k c (sI − A)⁻² b`.
-    pub fn first_order_root(&self) -> Result<C64, TheoryError> {
+    pub fn first_order_root(&self) -> Result<C64, Refusal> {
         let s0 = self.continuous_root()?;
         let n = self.a.nrows();
         let m = DMatrix::<C64>::identity(n, n) * s0 - self.a.map(|v| C64::new(v, 0.0));
         let lu = m.lu();
         let b = self.b.map(|v| C64::new(v, 0.0));
-        let once = lu.solve(&b).ok_or(TheoryError::NoRoot)?;
-        let twice = lu.solve(&once).ok_or(TheoryError::NoRoot)?;
+        let once = lu.solve(&b).ok_or(Refusal::NoRoot)?;
+        let twice = lu.solve(&once).ok_or(Refusal::NoRoot)?;
         let slope: C64 = self.c.iter().zip(twice.iter()).map(|(c, v)| v * *c).sum();
         Ok(s0 - s0 * self.effective_delay_s() / (slope * self.gain))
     }

@@ -7,15 +7,17 @@
 use super::{C64, phasor};
 use interface::hold::HoldKind;
 
-/// How a DAC fills the time between transfers; the doc comments are the help.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Hold {
-    /// The last value is held
-    ZeroOrder,
-    /// The line through the last two values is continued
-    Extrapolating,
-    /// The line from the last value but one to the last is drawn, one frame late
-    Interpolating,
+interface::named! {
+    /// How a DAC fills the time between transfers; the doc comments are the help.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+    pub enum Hold, name {
+        /// The last value is held
+        ZeroOrder "zero-order"
+        /// The line through the last two values is continued
+        Extrapolating "extrapolating"
+        /// The line from the last value but one to the last is drawn, one frame late
+        Interpolating "interpolating"
+    }
 }
 
 impl From<Hold> for HoldKind {
@@ -39,18 +41,6 @@ impl From<HoldKind> for Hold {
 }
 
 impl Hold {
-    /// All holds, in the order in which tables list them.
-    pub const ALL: [Hold; 3] = [Hold::ZeroOrder, Hold::Extrapolating, Hold::Interpolating];
-
-    /// Name on the command line and in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Hold::ZeroOrder => "zero-order",
-            Hold::Extrapolating => "extrapolating",
-            Hold::Interpolating => "interpolating",
-        }
-    }
-
     /// Transfer function at ω:
     /// zero-order `sinc(x/2) e^{−jx/2}`,
     /// extrapolating `(1 + jx) [sinc(x/2) e^{−jx/2}]²`,

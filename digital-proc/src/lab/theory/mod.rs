@@ -2,7 +2,7 @@
 //!
 //! Pure functions: no I/O, no clock, no machine. Everything here is what a run
 //! of the laboratory is laid beside. It refuses to guess: a decomposition that
-//! does not converge is a [`TheoryError`].
+//! does not converge is a [`Refusal`].
 //!
 //! Notation: T frame period, τ latency from sample to transfer, x = ωT,
 //! `s = ln z / T` the equivalent continuous root of a discrete root z, and
@@ -14,6 +14,7 @@ pub mod feedback_loop;
 pub mod hold;
 pub mod noise;
 pub mod period_map;
+pub mod sampled_loop;
 
 use nalgebra::{Complex, ComplexField};
 
@@ -29,18 +30,26 @@ pub fn phasor(angle_rad: f64) -> C64 {
     C64::new(cos, sin)
 }
 
-/// Why a theoretical value could not be formed.
+/// Why numbers were refused, or say nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TheoryError {
-    /// A number is outside its range.
-    #[error("{what} is {value}, which is outside its range ({range})")]
-    Range { what: &'static str, value: f64, range: &'static str },
-    /// An eigenvalue iteration did not converge.
+pub enum Refusal {
+    #[error("{what} is {value}; it must be {range}")]
+    Setting { what: &'static str, value: f64, range: &'static str },
     #[error("the eigenvalues of a {order} by {order} matrix did not converge")]
     NoConvergence { order: usize },
     /// No root is left once those at the origin are dropped.
     #[error("the period map has no root away from the origin")]
     NoRoot,
+    #[error("{found} samples are too few, {needed} are needed")]
+    TooFew { found: usize, needed: usize },
+    #[error("sample {index} is {value}: the run diverged or faulted")]
+    NotFinite { index: usize, value: f64 },
+    #[error("the record has no oscillatory mode")]
+    NoOscillation,
+    #[error("the decomposition of the record did not converge")]
+    NoDecomposition,
+    #[error(transparent)]
+    Table(#[from] vehicle::table::TableError),
 }
 
 /// Damping ratio `−Re s / |s|`.
@@ -65,19 +74,20 @@ pub fn nearest_root(roots: &[C64], target: C64) -> Option<C64> {
     roots.iter().copied().min_by(|a, b| (a - target).modulus().total_cmp(&(b - target).modulus()))
 }
 
-pub(crate) fn in_range(
+/// A value that is finite and fits its range.
+pub(crate) fn require(
     what: &'static str,
     value: f64,
     ok: bool,
     range: &'static str,
-) -> Result<f64, TheoryError> {
-    if ok && value.is_finite() { Ok(value) } else { Err(TheoryError::Range { what, value, range }) }
+) -> Result<f64, Refusal> {
+    if ok && value.is_finite() { Ok(value) } else { Err(Refusal::Setting { what, value, range }) }
 }
 
 /// A frame period above zero and a latency of at most one frame, s.
-pub(crate) fn frame_and_latency(frame_s: f64, latency_s: f64) -> Result<(f64, f64), TheoryError> {
-    let frame = in_range("the frame", frame_s, frame_s > 0.0, "> 0 s")?;
+pub(crate) fn frame_and_latency(frame_s: f64, latency_s: f64) -> Result<(f64, f64), Refusal> {
+    let frame = require("the frame", frame_s, frame_s > 0.0, "> 0 s")?;
     let latency =
-        in_range("the latency", latency_s, (0.0..=frame).contains(&latency_s), "0 to one frame")?;
+        require("the latency", latency_s, (0.0..=frame).contains(&latency_s), "0 to one frame")?;
     Ok((frame, latency))
 }

@@ -6,7 +6,7 @@
 //! period is the monodromy matrix, whose eigenvalues decide the loop exactly,
 //! for any latency and any number of rates.
 
-use super::{C64, TheoryError, equivalent_root, nearest_root};
+use super::{C64, Refusal, equivalent_root, nearest_root};
 use crate::matrix_exp::matrix_exp;
 use nalgebra::{ComplexField, DMatrix, Schur};
 
@@ -44,17 +44,17 @@ impl PeriodMap {
     }
 
     /// Discrete roots z.
-    pub fn discrete_roots(&self) -> Result<Vec<C64>, TheoryError> {
+    pub fn discrete_roots(&self) -> Result<Vec<C64>, Refusal> {
         eigenvalues(&self.matrix)
     }
 
     /// Greatest |z|: the loop is stable when it is below 1.
-    pub fn spectral_radius(&self) -> Result<f64, TheoryError> {
+    pub fn spectral_radius(&self) -> Result<f64, Refusal> {
         Ok(self.discrete_roots()?.iter().map(|z| z.modulus()).fold(0.0, f64::max))
     }
 
     /// Equivalent roots `ln z / T`, without those at the origin.
-    pub fn roots(&self) -> Result<Vec<C64>, TheoryError> {
+    pub fn roots(&self) -> Result<Vec<C64>, Refusal> {
         Ok(self
             .discrete_roots()?
             .into_iter()
@@ -64,16 +64,16 @@ impl PeriodMap {
     }
 
     /// The equivalent root on the branch of `continuous`.
-    pub fn root_near(&self, continuous: C64) -> Result<C64, TheoryError> {
-        nearest_root(&self.roots()?, continuous).ok_or(TheoryError::NoRoot)
+    pub fn root_near(&self, continuous: C64) -> Result<C64, Refusal> {
+        nearest_root(&self.roots()?, continuous).ok_or(Refusal::NoRoot)
     }
 }
 
 /// Eigenvalues of a real square matrix.
-pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<C64>, TheoryError> {
+pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<C64>, Refusal> {
     let n = matrix.nrows();
     if matrix.iter().any(|v| !v.is_finite()) {
-        return Err(TheoryError::NoConvergence { order: n });
+        return Err(Refusal::NoConvergence { order: n });
     }
     // Francis steps need about two iterations a root; 100 a root is a bound, not an expectation.
     let iterate = |m: DMatrix<f64>| Schur::try_new(m, f64::EPSILON, 100 * n);
@@ -85,7 +85,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<C64>, TheoryError> {
     let shift = matrix.norm().max(f64::MIN_POSITIVE);
     iterate(matrix + DMatrix::identity(n, n) * shift)
         .map(|s| s.complex_eigenvalues().iter().map(|z| z - shift).collect())
-        .ok_or(TheoryError::NoConvergence { order: n })
+        .ok_or(Refusal::NoConvergence { order: n })
 }
 
 #[cfg(test)]
@@ -111,7 +111,7 @@ mod tests {
         j[(2, 1)] = 1.0;
         let mut map = PeriodMap::new(3);
         map.jump(&j);
-        assert_eq!(map.root_near(C64::new(0.0, 1.0)), Err(TheoryError::NoRoot));
+        assert_eq!(map.root_near(C64::new(0.0, 1.0)), Err(Refusal::NoRoot));
     }
 
     #[test]

@@ -217,10 +217,10 @@ const VARIABLES: [Variable; 11] = [
         [Q_ALPHA.anchor(), "Load indicator Qα", "kPa·°"],
         |s| s.q_alpha_padeg() / 1e3,
     ),
-    variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |s| s.pitch_rad.to_degrees()),
-    variable(["phi_deg", "deg"], ["roll", "Roll angle", "°"], |s| s.roll_rad.to_degrees()),
+    variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |s| s.angle_rad[0].to_degrees()),
+    variable(["phi_deg", "deg"], ["roll", "Roll angle", "°"], |s| s.angle_rad[2].to_degrees()),
     variable(["tvc_pitch_force_kn", "kN"], ["tvc", "TVC force, pitch loop", "kN"], |s| {
-        s.tvc_pitch_n / 1e3
+        s.tvc_n[0] / 1e3
     }),
 ];
 

@@ -263,7 +263,6 @@ impl Matrix {
                 .collect(),
             cells,
             scale: Some((0.0, self.deepest)),
-            digits: 2,
         };
         Figure::new(self.id, self.caption, heat_map(&map))
     }

@@ -50,7 +50,6 @@ use crate::Vehicle;
 use crate::airframe::AirframeCoefficients;
 use crate::flight_mode::ControlSettings;
 
-/// Length of the state.
 pub const STATE_LEN: usize = 19;
 
 /// The attitude side's state; see the field order in [`AttitudeState::to_array`].
@@ -93,7 +92,6 @@ impl AttitudeState {
         array
     }
 
-    /// The inverse of [`Self::to_array`].
     pub fn from_array(a: [f64; STATE_LEN]) -> Self {
         Self {
             angle_rad: [a[0], a[1], a[2]],
@@ -110,9 +108,7 @@ impl AttitudeState {
 /// What reaches the attitude side from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeInputs {
-    /// Slopes and inertias.
     pub airframe: AirframeCoefficients,
-    /// Gains and effectivenesses.
     pub settings: ControlSettings,
     /// θ_c, rad.
     pub pitch_command_rad: f64,
@@ -152,7 +148,6 @@ pub fn pitch_plane_force_n(state: &AttitudeState, inputs: &AttitudeInputs) -> f6
     (tip_p + state.tvc_n[0]) * c - (tip_y + state.tvc_n[1]) * s
 }
 
-/// The time derivative of the attitude state.
 pub fn derivative(
     vehicle: &Vehicle,
     state: &AttitudeState,

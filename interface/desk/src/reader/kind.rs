@@ -4,7 +4,6 @@ use super::Entry;
 
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum FileKind {
     Patch,
     Profile,

@@ -9,7 +9,6 @@ use toml::de::{DeTable, DeValue};
 pub struct Span {
     /// Index into the list of files.
     pub file: u32,
-    /// First byte.
     pub start: u32,
     /// One past the last byte.
     pub end: u32,
@@ -17,7 +16,6 @@ pub struct Span {
 
 /// A value and where it stands.
 #[derive(Clone, Debug)]
-#[allow(missing_docs)]
 pub struct Value {
     pub span: Span,
     pub data: Data,
@@ -25,7 +23,6 @@ pub struct Value {
 
 /// What a value is.
 #[derive(Clone, Debug)]
-#[allow(missing_docs)]
 pub enum Data {
     /// Any number; `integer` where it is written as one that fits.
     Number {
@@ -41,7 +38,6 @@ pub enum Data {
 
 /// A key of a table with its value.
 #[derive(Clone, Debug)]
-#[allow(missing_docs)]
 pub struct Entry {
     pub key: String,
     pub key_span: Span,
@@ -50,14 +46,12 @@ pub struct Entry {
 
 /// A name with its place, for what can be judged only later.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub struct Named {
     pub name: String,
     pub span: Span,
 }
 
 impl Value {
-    /// The text, if it is one.
     pub fn text(&self) -> Option<&str> {
         match &self.data {
             Data::Text(text) => Some(text),

@@ -5,21 +5,12 @@ use crate::claim::{Claim, Verdict};
 use maud::{Markup, html};
 
 impl Verdict {
-    /// The mark that stands beside the words.
-    fn mark(self) -> char {
+    /// Mark, words, and class in the style sheet.
+    fn told(self) -> (char, &'static str, &'static str) {
         match self {
-            Verdict::Holds => '✓',
-            Verdict::Fails => '✗',
-            Verdict::NotJudged => '·',
-        }
-    }
-
-    /// The verdict in words.
-    fn words(self) -> &'static str {
-        match self {
-            Verdict::Holds => "holds",
-            Verdict::Fails => "does not hold",
-            Verdict::NotJudged => "not judged",
+            Verdict::Holds => ('✓', "holds", "holds"),
+            Verdict::Fails => ('✗', "does not hold", "fails"),
+            Verdict::NotJudged => ('·', "not judged", "not-judged"),
         }
     }
 }
@@ -50,7 +41,8 @@ pub fn claims_table(claims: &[Claim], drawn: &Numbering) -> Markup {
                         @if drawn.has(claim.evidence.anchor()) { " " a href={ "#" (claim.evidence.anchor()) } { "shown here" } }
                         @if let Some(remark) = &claim.remark { small { (remark) } }
                     }
-                    td.v.{ (class(claim.verdict)) } { (claim.verdict.mark()) "\u{202f}" (claim.verdict.words()) }
+                    @let (mark, words, class) = claim.verdict.told();
+                    td.v.{ (class) } { (mark) "\u{202f}" (words) }
                 }
             } }
         } }
@@ -62,10 +54,10 @@ pub fn claims_text(claims: &[Claim]) -> String {
     let width = |text: fn(&Claim) -> &str| {
         claims.iter().map(|c| text(c).chars().count()).max().unwrap_or(0)
     };
-    let (ids, words) = (width(|c| &*c.id), width(|c| c.verdict.words()));
+    let (ids, words) = (width(|c| &*c.id), width(|c| c.verdict.told().1));
     let mut out = String::new();
     for claim in claims {
-        let (mark, verdict) = (claim.verdict.mark(), claim.verdict.words());
+        let (mark, verdict, _) = claim.verdict.told();
         // A check says all in its sentence.
         let said = match claim.criterion.as_str() {
             "" => claim.sentence.to_string(),
@@ -91,14 +83,6 @@ fn count(claims: &[Claim]) -> String {
         parts.push(format!("{} not judged", of(Verdict::NotJudged)));
     }
     format!("{}.", parts.join(", "))
-}
-
-fn class(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Holds => "holds",
-        Verdict::Fails => "fails",
-        Verdict::NotJudged => "not-judged",
-    }
 }
 
 #[cfg(test)]

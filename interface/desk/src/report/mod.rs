@@ -11,7 +11,6 @@ pub mod plot;
 mod provenance;
 mod summary;
 mod table;
-mod theme;
 
 pub use claims::{claims_table, claims_text};
 pub use page::{Numbering, Section, anchor, page, side_by_side};

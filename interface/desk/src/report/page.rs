@@ -2,8 +2,10 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::theme::STYLE;
-
+/// The style sheet: light, dark and paper, in one page. Figures carry classes only; their colours are
+/// defined here once for each surroundings. The eight line colours stay apart for the common colour
+/// deficiencies and each has its own dash, so that a black-and-white print tells them apart as well.
+const STYLE: &str = include_str!("page.css");
 /// What makes the charts answer the pointer; without it the page shows all the same.
 const SCRIPT: &str = include_str!("chart.js");
 
@@ -12,9 +14,7 @@ const SCRIPT: &str = include_str!("chart.js");
 pub struct Section {
     /// Anchor, unique within the page.
     pub id: String,
-    /// Heading.
     pub title: String,
-    /// What it holds.
     pub body: Markup,
 }
 
@@ -35,7 +35,6 @@ pub struct Numbering {
 }
 
 impl Numbering {
-    /// Starts at figure 1 and table 1.
     pub fn new() -> Numbering {
         Numbering::default()
     }

@@ -22,7 +22,6 @@ struct Entry {
 }
 
 impl Summary {
-    /// Nothing yet.
     pub fn new() -> Summary {
         Summary::default()
     }
@@ -48,7 +47,6 @@ impl Summary {
         });
     }
 
-    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

@@ -11,12 +11,21 @@ use super::format::{significant, typeset};
 pub enum Cell {
     /// A number, formatted by its column.
     Number(f64),
-    /// Words.
     Text(String),
     /// Words that lead to an anchor of the page.
     Link(String, String),
     /// No value: a dash for people, null in JSON, nothing in CSV.
     Missing,
+}
+
+impl Cell {
+    fn words(&self, number: impl Fn(f64) -> String, missing: &str) -> String {
+        match self {
+            Cell::Number(value) => number(*value),
+            Cell::Text(text) | Cell::Link(text, _) => text.clone(),
+            Cell::Missing => missing.to_owned(),
+        }
+    }
 }
 
 impl From<f64> for Cell {
@@ -95,7 +104,6 @@ impl Heading {
         key.trim_matches('_').to_owned()
     }
 
-    /// The same with another number of digits.
     pub fn digits(mut self, digits: usize) -> Heading {
         self.digits = digits;
         self
@@ -105,9 +113,7 @@ impl Heading {
 /// A column of a table whose rows are made from values of `R`: all that there is to say of it.
 #[derive(Clone, Debug)]
 pub struct Column<R> {
-    /// Its heading.
     pub heading: Heading,
-    /// What stands in it.
     pub of: fn(&R) -> Cell,
 }
 
@@ -117,7 +123,6 @@ impl<R> Column<R> {
         Column { heading: Heading::new(label, unit), of }
     }
 
-    /// The same with another number of digits.
     pub fn digits(mut self, digits: usize) -> Column<R> {
         self.heading.digits = digits;
         self
@@ -132,19 +137,15 @@ impl<R> Column<R> {
 /// A table. Rows shorter than the headings are filled with blanks; longer ones are cut.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The columns.
     pub headings: Vec<Heading>,
-    /// The rows.
     pub rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
-    /// A table without rows.
     pub fn new(headings: Vec<Heading>) -> Table {
         Table { headings, rows: Vec::new() }
     }
 
-    /// The table of `rows`.
     pub fn of<'r, R: 'r>(columns: &[Column<R>], rows: impl IntoIterator<Item = &'r R>) -> Table {
         let cells = |row: &R| columns.iter().map(|c| (c.of)(row)).collect();
         Table {
@@ -153,12 +154,10 @@ impl Table {
         }
     }
 
-    /// Adds a row.
     pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
         self.rows.push(cells.into_iter().collect());
     }
 
-    /// The table for a page.
     pub fn markup(&self) -> Markup {
         let numeric: Vec<bool> = (0..self.headings.len())
             .map(|c| self.column(c).any(|cell| matches!(cell, Cell::Number(_))))
@@ -190,11 +189,9 @@ impl Table {
 
     /// The table for a terminal: columns aligned, units under the headings.
     pub fn text(&self) -> String {
-        let content = |row: &[Cell], c: usize| match row.get(c) {
-            Some(Cell::Number(value)) => significant(*value, self.headings[c].digits),
-            Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
-            Some(Cell::Missing) => "–".to_owned(),
-            None => String::new(),
+        let content = |row: &[Cell], c: usize| {
+            let number = |value| significant(value, self.headings[c].digits);
+            row.get(c).map_or_else(String::new, |cell| cell.words(number, "–"))
         };
         let mut lines: Vec<Vec<String>> =
             vec![self.headings.iter().map(|h| h.label.clone()).collect()];
@@ -243,12 +240,8 @@ impl Table {
             if h.unit.is_empty() { h.label.clone() } else { format!("{} [{}]", h.label, h.unit) }
         }))?;
         for row in &self.rows {
-            let cell = |i: usize| match row.get(i) {
-                Some(Cell::Number(value)) => value.to_string(),
-                Some(Cell::Text(text) | Cell::Link(text, _)) => text.clone(),
-                Some(Cell::Missing) | None => String::new(),
-            };
-            writer.write_record((0..self.headings.len()).map(cell))?;
+            let cell = |i: usize| row.get(i).map(|cell| cell.words(|v| v.to_string(), ""));
+            writer.write_record((0..self.headings.len()).map(|i| cell(i).unwrap_or_default()))?;
         }
         writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))
     }

@@ -18,12 +18,10 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// None yet.
     pub fn new(step: Tick) -> Curves {
         Curves { step, end: Tick(i64::MAX), columns: Vec::new(), values: Vec::new() }
     }
 
-    /// Adds a column.
     pub fn add(&mut self, name: String, unit: &str, values: &[f64]) {
         self.columns.push(Column::new(name, unit));
         self.values.push(values.to_vec());

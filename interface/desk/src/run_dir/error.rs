@@ -6,23 +6,10 @@ use std::path::{Path, PathBuf};
 /// A fault of a run directory, of its traces or of the small files in it.
 #[derive(Debug, thiserror::Error)]
 pub enum RunDirError {
-    /// A file cannot be read.
     #[error("cannot read `{}`: {cause}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        cause: io::Error,
-    },
-    /// A file cannot be written.
+    Read { path: PathBuf, cause: io::Error },
     #[error("cannot write `{}`: {cause}; check free space and permissions", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        cause: io::Error,
-    },
-    /// What is there, or was asked for, will not do; in full words.
+    Write { path: PathBuf, cause: io::Error },
     #[error("{0}")]
     Refused(String),
 }

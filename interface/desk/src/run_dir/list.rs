@@ -4,6 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::faults::nearest;
+
 use super::{RECORD_FILE, RunDirError, RunDirectory, SUMMARY_FILE, holds_record};
 
 /// How far a run got, told by the files that it left.
@@ -20,15 +22,12 @@ pub enum RunState {
 /// One line of the list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunEntry {
-    /// The directory's name.
     pub name: String,
-    /// The directory.
     pub path: PathBuf,
     /// The command, or what is wrong with the record.
     pub command: String,
     /// When it started; empty when the record cannot be read.
     pub started: String,
-    /// How far it got.
     pub state: RunState,
 }
 
@@ -81,10 +80,8 @@ pub fn resolve(base: &Path, text: &str) -> Result<RunDirectory, RunDirError> {
     match candidates.as_slice() {
         [one] => RunDirectory::open(&base.join(one)),
         [] => {
-            let near = names.iter().map(|name| (strsim::jaro_winkler(text, name), name));
-            let near = near.filter(|(likeness, _)| *likeness > 0.8);
-            let near = near.max_by(|a, b| a.0.total_cmp(&b.0));
-            let near = near.map(|(_, name)| format!(", did you mean `{name}`?"));
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let near = nearest(text, &names).map(|name| format!(", did you mean `{name}`?"));
             Err(RunDirError::Refused(format!(
                 "no run `{text}` in `{}`{}; `digital-proc list` shows the runs",
                 base.display(),

@@ -108,7 +108,6 @@ impl RunDirectory {
         }
     }
 
-    /// The directory itself.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -118,12 +117,10 @@ impl RunDirectory {
         self.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
     }
 
-    /// Path of a file in it.
     pub fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }
 
-    /// Writes `run.toml`.
     pub fn write_record(&self, record: &RunRecord) -> Result<(), RunDirError> {
         let text = record.to_toml().map_err(|e| {
             let path = self.file(RECORD_FILE);
@@ -132,7 +129,6 @@ impl RunDirectory {
         self.write_file(RECORD_FILE, text.as_bytes())
     }
 
-    /// Reads `run.toml` back.
     pub fn read_record(&self) -> Result<RunRecord, RunDirError> {
         let path = self.file(RECORD_FILE);
         let text = user_file::read_text(&path).map_err(RunDirError::read(&path))?;
@@ -150,7 +146,6 @@ impl RunDirectory {
         self.write_file(SUMMARY_FILE, format!("{text}\n").as_bytes())
     }
 
-    /// Writes `report.html`.
     pub fn write_report(&self, html: &str) -> Result<PathBuf, RunDirError> {
         self.write_file(REPORT_FILE, html.as_bytes())?;
         Ok(self.file(REPORT_FILE))

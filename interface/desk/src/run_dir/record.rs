@@ -17,7 +17,6 @@ pub struct RunRecord {
     pub command_line: Vec<String>,
     /// When it started, `2026-03-01T12:34:56Z`.
     pub started: String,
-    /// The machine profile's name.
     pub profile: String,
     /// How the two processes were joined: `shm` or `memory`.
     pub link: String,

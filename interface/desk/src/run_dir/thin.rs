@@ -29,7 +29,6 @@ impl Rows {
         }
     }
 
-    /// Rows given so far.
     pub fn seen(&self) -> usize {
         self.seen
     }

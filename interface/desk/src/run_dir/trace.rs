@@ -32,7 +32,6 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of that name and unit.
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Column {
         Column { name: name.into(), unit: unit.into() }
     }
@@ -115,11 +114,6 @@ impl<W: Write> TraceWriter<W> {
             self.flush()?;
         }
         Ok(())
-    }
-
-    /// Rows pushed so far.
-    pub fn rows(&self) -> u64 {
-        self.rows
     }
 
     /// Writes the rows held back as a batch of their own.

@@ -18,36 +18,13 @@ impl UtcSecond {
     pub fn file_name(self) -> String {
         self.to_string().replace(':', "-").replace('Z', "")
     }
-
-    /// Year, month, day by the proleptic Gregorian calendar.
-    fn date(self) -> (i64, i64, i64) {
-        // Counting years from 1 March puts the leap day last, which makes the months'
-        // lengths 31,30,31,30,31 repeat: month = (5 d + 2) / 153.
-        let days = self.0.div_euclid(86_400) + 719_468; // from 0000-03-01
-        let era = days.div_euclid(146_097);
-        let day_of_era = days.rem_euclid(146_097);
-        let year_of_era =
-            (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-        let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-        let shifted_month = (5 * day_of_year + 2) / 153;
-        let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
-        let month = (shifted_month + 2) % 12 + 1;
-        let year = era * 400 + year_of_era + i64::from(month <= 2);
-        (year, month, day)
-    }
 }
 
 impl fmt::Display for UtcSecond {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (year, month, day) = self.date();
-        let second = self.0.rem_euclid(86_400);
-        write!(
-            f,
-            "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
-            second / 3_600,
-            second / 60 % 60,
-            second % 60
-        )
+        // What no calendar holds is as far away as 1970.
+        let time = chrono::DateTime::from_timestamp(self.0, 0).unwrap_or_default();
+        write!(f, "{}", time.format("%Y-%m-%dT%H:%M:%SZ"))
     }
 }
 

@@ -56,26 +56,20 @@ struct Head {
 
 impl Head {
     fn bytes(self) -> [u8; HEAD] {
-        let mut bytes = [0; HEAD];
-        bytes[0..4].copy_from_slice(&(self.kind as u32).to_le_bytes());
-        bytes[4..8].copy_from_slice(&self.index.to_le_bytes());
-        bytes[8..12].copy_from_slice(&self.count.to_le_bytes());
-        bytes
+        let words = [self.kind as u32, self.index, self.count].map(u32::to_le_bytes);
+        std::array::from_fn(|i| words[i / 4][i % 4])
     }
 
     fn parse(bytes: &[u8]) -> Option<(Head, &[u8])> {
         let (head, rest) = bytes.split_at_checked(HEAD)?;
-        let number = |at: usize| {
-            head.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes)
-        };
-        let kind = match number(0)? {
+        let word = |n: usize| u32::from_le_bytes(std::array::from_fn(|i| head[4 * n + i]));
+        let kind = match word(0) {
             0 => Kind::Part,
             1 => Kind::Taken,
             2 => Kind::Pull,
             _ => return None,
         };
-        let head = Head { kind, index: number(4)?, count: number(8)? };
-        Some((head, rest))
+        Some((Head { kind, index: word(1), count: word(2) }, rest))
     }
 }
 
@@ -156,6 +150,20 @@ impl Incoming {
     }
 }
 
+/// One side's end of the control plane: what it sends, and what it gets.
+pub trait Control: std::fmt::Debug {
+    type Out;
+    type In;
+    /// Begins to send a message.
+    fn put(&mut self, message: &Self::Out, bell: &Bell) -> Result<(), LinkFault>;
+    /// Moves the exchange on; gives the message that comes when its last part has come.
+    fn take(&mut self, bell: &Bell) -> Result<Option<Self::In>, LinkFault>;
+    /// Moves what is left of a message; true when all of it has gone.
+    fn gone(&mut self, bell: &Bell) -> Result<bool, LinkFault>;
+    /// Whether the other side has said that it will end.
+    fn goodbye(&self) -> bool;
+}
+
 fn service(node: &Node<ipc::Service>) -> Result<Factory, LinkFault> {
     node.service_builder(&service_name("control")?)
         .request_response::<[u8], [u8]>()
@@ -171,12 +179,13 @@ fn service(node: &Node<ipc::Service>) -> Result<Factory, LinkFault> {
 
 /// The analog side's end of the control plane.
 #[derive(Debug)]
-pub(super) struct Server {
+pub struct Server {
     port: ServerPort<ipc::Service, [u8], (), [u8], ()>,
     incoming: Incoming,
     /// The exchange that the reply will answer.
     asked: Option<Active>,
     outgoing: Option<Outgoing>,
+    goodbye: bool,
 }
 
 impl Server {
@@ -187,11 +196,16 @@ impl Server {
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
             .map_err(fault("creating the control server"))?;
-        Ok(Server { port, incoming: Incoming::default(), asked: None, outgoing: None })
+        let incoming = Incoming::default();
+        Ok(Server { port, incoming, asked: None, outgoing: None, goodbye: false })
     }
+}
 
-    /// Moves the exchange on; gives the request when its last part has come.
-    pub(super) fn take(&mut self, bell: &Bell) -> Result<Option<Request>, LinkFault> {
+impl Control for Server {
+    type Out = Reply;
+    type In = Request;
+
+    fn take(&mut self, bell: &Bell) -> Result<Option<Request>, LinkFault> {
         let active = match self.port.receive() {
             Ok(Some(active)) => active,
             Ok(None) => return Ok(None),
@@ -200,10 +214,10 @@ impl Server {
         let (head, part) = Head::parse(active.payload()).ok_or_else(|| garbled("no such kind"))?;
         match head.kind {
             Kind::Part if self.incoming.take(head, part)? => {
-                let request = decode(&self.incoming.bytes);
-                self.incoming = Incoming::default();
+                let request = decode(&std::mem::take(&mut self.incoming).bytes)?;
                 self.asked = Some(active);
-                request.map(Some)
+                self.goodbye |= matches!(request, Request::Bye);
+                Ok(Some(request))
             }
             Kind::Part => {
                 let taken = Head { kind: Kind::Taken, ..head };
@@ -226,15 +240,15 @@ impl Server {
         }
     }
 
-    pub(super) fn reply(&mut self, reply: &Reply, bell: &Bell) -> Result<(), LinkFault> {
+    fn put(&mut self, reply: &Reply, bell: &Bell) -> Result<(), LinkFault> {
         let active = self.asked.take().ok_or_else(|| garbled("a reply without a request"))?;
         let outgoing = self.outgoing.insert(Outgoing { bytes: encode(reply)?, next: 1 });
         let (head, part) = outgoing.part(0).ok_or_else(|| garbled("a reply without parts"))?;
         respond(&active, head, part, bell)
     }
 
-    /// Serves pulls; true when the last part of the reply has gone.
-    pub(super) fn reply_gone(&mut self, bell: &Bell) -> Result<bool, LinkFault> {
+    /// Serves pulls.
+    fn gone(&mut self, bell: &Bell) -> Result<bool, LinkFault> {
         if self.outgoing.as_ref().is_none_or(Outgoing::done) {
             self.outgoing = None;
             return Ok(true);
@@ -243,6 +257,10 @@ impl Server {
             None => Ok(self.outgoing.as_ref().is_none_or(Outgoing::done)),
             Some(_) => Err(garbled("a request came before its forerunner was answered")),
         }
+    }
+
+    fn goodbye(&self) -> bool {
+        self.goodbye
     }
 }
 
@@ -261,7 +279,7 @@ fn byte_at(head: &[u8; HEAD], part: &[u8], i: usize) -> u8 {
 
 /// The digital side's end of the control plane.
 #[derive(Debug)]
-pub(super) struct Client {
+pub struct Client {
     /// Dropped before the port that it belongs to.
     pending: Option<Pending>,
     port: ClientPort<ipc::Service, [u8], (), [u8], ()>,
@@ -302,15 +320,19 @@ impl Client {
         self.pending = Some(self.ask(head, part, bell)?);
         Ok(())
     }
+}
 
-    pub(super) fn put(&mut self, request: &Request, bell: &Bell) -> Result<(), LinkFault> {
+impl Control for Client {
+    type Out = Request;
+    type In = Reply;
+
+    fn put(&mut self, request: &Request, bell: &Bell) -> Result<(), LinkFault> {
         self.incoming = Incoming::default();
         self.outgoing = Some(Outgoing { bytes: encode(request)?, next: 0 });
         self.push(bell)
     }
 
-    /// Moves the exchange on; gives the reply when its last part has come.
-    pub(super) fn take(&mut self, bell: &Bell) -> Result<Option<Reply>, LinkFault> {
+    fn take(&mut self, bell: &Bell) -> Result<Option<Reply>, LinkFault> {
         let Some(pending) = &self.pending else {
             return Err(garbled("nothing was asked"));
         };
@@ -350,5 +372,14 @@ impl Client {
             }
             Kind::Pull => Err(garbled("a reply of the wrong kind")),
         }
+    }
+
+    /// Its parts go with [`Control::take`].
+    fn gone(&mut self, _bell: &Bell) -> Result<bool, LinkFault> {
+        Ok(true)
+    }
+
+    fn goodbye(&self) -> bool {
+        false
     }
 }

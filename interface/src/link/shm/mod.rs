@@ -17,38 +17,30 @@ mod service;
 mod wire;
 
 use self::{
-    control::{Client, Server},
+    control::{Client, Control, Server},
     opening::supervised,
     peer::{Peer, expect_side},
-    service::{fault, publish, publisher, samples_service, subscriber, updates_service},
-    wire::{SamplesWire, UpdatesWire},
+    service::{FramesIn, FramesOut, fault, publish, publisher, subscriber},
+    wire::Frame,
 };
 use super::{
     LinkFault,
-    bell::Bell,
-    end::{AnalogEnd, AnalogWire, DigitalEnd, DigitalWire},
-    waiting::{Patience, Watch},
+    end::{End, Wire},
+    waiting::{Patience, Watch, Watched},
 };
 use crate::{
     Side,
-    control::{Reply, Request},
     frame::{Samples, Updates},
     protocol::Protocol,
     session::Session,
 };
-use iceoryx2::{
-    node::Node,
-    port::{
-        publisher::Publisher, subscriber::Subscriber, update_connections::UpdateConnections as _,
-    },
-    prelude::ipc,
-};
+use iceoryx2::{node::Node, port::update_connections::UpdateConnections, prelude::ipc};
 use std::time::{Duration, Instant};
 
 /// The analog processor's end.
-pub type ShmAnalog = AnalogEnd<AnalogPorts>;
+pub type ShmAnalog = End<Ports<Samples, Updates, Server>>;
 /// The digital processor's end.
-pub type ShmDigital = DigitalEnd<DigitalPorts>;
+pub type ShmDigital = End<Ports<Updates, Samples, Client>>;
 
 impl ShmAnalog {
     /// Opens the analog end and waits until a digital side has come and greeted.
@@ -61,26 +53,7 @@ impl ShmAnalog {
         patience: &Patience,
     ) -> Result<ShmAnalog, LinkFault> {
         expect_side(session, Side::Analog)?;
-        let peer = Peer::new(session, child)?;
-        supervised(peer, patience, |mut peer, patience| {
-            let (node, (samples, updates, server)) = peer.build(patience, |node| {
-                Ok((
-                    publisher(&samples_service(node)?)?,
-                    subscriber(&updates_service(node)?)?,
-                    Server::open(node)?,
-                ))
-            })?;
-            peer.meet(patience)?;
-            let ports = AnalogPorts { samples, updates, server, _node: node, goodbye: false, peer };
-            let mut end = AnalogEnd::new(ports, Protocol::new(), patience);
-            end.greet()?;
-            // All connections are made here, under supervision, and none in a frame.
-            let made = end.wire().samples.update_connections();
-            made.map_err(fault("connecting"))?;
-            let made = end.wire().updates.update_connections();
-            made.map_err(fault("connecting"))?;
-            Ok(end)
-        })
+        open(session, child, patience, Server::open, End::await_greeting)
     }
 }
 
@@ -95,38 +68,39 @@ impl ShmDigital {
         patience: &Patience,
     ) -> Result<ShmDigital, LinkFault> {
         expect_side(session, Side::Digital)?;
-        let peer = Peer::new(session, child)?;
-        supervised(peer, patience, |mut peer, patience| {
-            let (node, (samples, updates, client)) = peer.build(patience, |node| {
-                Ok((
-                    subscriber(&samples_service(node)?)?,
-                    publisher(&updates_service(node)?)?,
-                    Client::open(node)?,
-                ))
-            })?;
-            peer.meet(patience)?;
-            let ports = DigitalPorts { samples, updates, client, _node: node, peer };
-            let mut end = DigitalEnd::new(ports, Protocol::new(), patience);
-            end.greet()?;
-            let made = end.wire().updates.update_connections();
-            made.map_err(fault("connecting"))?;
-            let made = end.wire().samples.update_connections();
-            made.map_err(fault("connecting"))?;
-            Ok(end)
-        })
+        open(session, child, patience, Client::open, End::greet)
     }
 }
 
-/// Ports of the analog end. Fields drop in order: the session, which removes all
-/// shared memory, comes last.
+fn open<F: Frame, G: Frame, C: Control + 'static>(
+    session: &Session,
+    child: Option<u32>,
+    patience: &Patience,
+    control: fn(&Node<ipc::Service>) -> Result<C, LinkFault>,
+    greet: fn(&mut End<Ports<F, G, C>>) -> Result<(), LinkFault>,
+) -> Result<End<Ports<F, G, C>>, LinkFault> {
+    supervised(Peer::new(session, child)?, patience, move |mut peer, patience| {
+        let (node, (frames_out, frames_in, control)) =
+            peer.build(patience, |node| Ok((publisher(node)?, subscriber(node)?, control(node)?)))?;
+        peer.meet(patience)?;
+        let ports = Ports { frames_out, frames_in, control, _node: node, peer };
+        let mut end = End::new(ports, Protocol::new(), patience);
+        greet(&mut end)?;
+        // All connections are made here, under supervision, and none in a frame.
+        let Ports { frames_out, frames_in, .. } = end.wire();
+        frames_out.update_connections().map_err(fault("connecting"))?;
+        frames_in.update_connections().map_err(fault("connecting"))?;
+        Ok(end)
+    })
+}
+
+/// Ports of an end. Fields drop in order: the session, which removes all shared memory, comes last.
 #[derive(Debug)]
-pub struct AnalogPorts {
-    samples: Publisher<ipc::Service, SamplesWire, ()>,
-    updates: Subscriber<ipc::Service, UpdatesWire, ()>,
-    server: Server,
+pub struct Ports<F: Frame, G: Frame, C: Control> {
+    frames_out: FramesOut<F>,
+    frames_in: FramesIn<G>,
+    control: C,
     _node: Node<ipc::Service>,
-    /// Whether the digital side has said that it will end.
-    goodbye: bool,
     peer: Peer,
 }
 
@@ -134,7 +108,7 @@ pub struct AnalogPorts {
 /// as soon as the other is done, unless it computes just then.
 const LAST_OUT: Duration = Duration::from_secs(1);
 
-impl Drop for AnalogPorts {
+impl<F: Frame, G: Frame, C: Control> Drop for Ports<F, G, C> {
     /// After a goodbye the analog side leaves last: should its partner be killed while it
     /// leaves, somebody is there to remove the traces. The digital side, where it started
     /// this one, in turn waits for this process to end and removes what a kill of this one
@@ -142,9 +116,12 @@ impl Drop for AnalogPorts {
     fn drop(&mut self) {
         let bell = &self.peer.bell;
         bell.close();
+        if self.peer.side == Side::Analog {
+            return;
+        }
         let started = Instant::now();
         while !bell.partner_closed() && !self.peer.gone() {
-            if !self.goodbye || started.elapsed() > LAST_OUT {
+            if !self.control.goodbye() || started.elapsed() > LAST_OUT {
                 return;
             }
             let heard = bell.listen();
@@ -156,91 +133,40 @@ impl Drop for AnalogPorts {
     }
 }
 
-/// Ports of the digital end.
-#[derive(Debug)]
-pub struct DigitalPorts {
-    samples: Subscriber<ipc::Service, SamplesWire, ()>,
-    updates: Publisher<ipc::Service, UpdatesWire, ()>,
-    client: Client,
-    _node: Node<ipc::Service>,
-    peer: Peer,
+impl<F: Frame, G: Frame, C: Control> Watched for Ports<F, G, C> {
+    type Partner = Peer;
+
+    fn partner(&self) -> &Peer {
+        &self.peer
+    }
 }
 
-impl AnalogWire for AnalogPorts {
-    fn put_samples(&mut self, samples: &Samples, _lossy: bool) -> Result<(), LinkFault> {
-        publish(&self.samples, SamplesWire(*samples))?;
+impl<F: Frame, G: Frame, C: Control> Wire for Ports<F, G, C> {
+    type FrameOut = F;
+    type FrameIn = G;
+    type MessageOut = C::Out;
+    type MessageIn = C::In;
+
+    fn put_frame(&mut self, frame: &F, _lossy: bool) -> Result<(), LinkFault> {
+        publish(&self.frames_out, *frame)?;
         self.peer.bell.ring();
         Ok(())
     }
 
-    fn take_updates(&mut self, into: &mut Updates) -> Result<bool, LinkFault> {
-        let sample = self.updates.receive();
-        let sample = sample.map_err(fault("receiving updates"))?;
-        Ok(sample.map(|sample| *into = sample.0).is_some())
+    fn take_frame(&mut self, into: &mut G) -> Result<bool, LinkFault> {
+        let frame = self.frames_in.receive().map_err(fault("receiving a frame"))?;
+        Ok(frame.map(|frame| *into = frame.0).is_some())
     }
 
-    fn take_request(&mut self) -> Result<Option<Request>, LinkFault> {
-        let request = self.server.take(&self.peer.bell)?;
-        self.goodbye |= matches!(request, Some(Request::Bye));
-        Ok(request)
+    fn put_message(&mut self, message: &C::Out) -> Result<(), LinkFault> {
+        self.control.put(message, &self.peer.bell)
     }
 
-    fn put_reply(&mut self, reply: &Reply) -> Result<(), LinkFault> {
-        self.server.reply(reply, &self.peer.bell)
+    fn take_message(&mut self) -> Result<Option<C::In>, LinkFault> {
+        self.control.take(&self.peer.bell)
     }
 
-    fn reply_gone(&mut self) -> Result<bool, LinkFault> {
-        self.server.reply_gone(&self.peer.bell)
+    fn message_gone(&mut self) -> Result<bool, LinkFault> {
+        self.control.gone(&self.peer.bell)
     }
 }
-
-impl DigitalWire for DigitalPorts {
-    fn take_samples(&mut self, into: &mut Samples) -> Result<bool, LinkFault> {
-        let sample = self.samples.receive();
-        let sample = sample.map_err(fault("receiving samples"))?;
-        Ok(sample.map(|sample| *into = sample.0).is_some())
-    }
-
-    fn put_updates(&mut self, updates: &Updates, _lossy: bool) -> Result<(), LinkFault> {
-        publish(&self.updates, UpdatesWire(*updates))?;
-        self.peer.bell.ring();
-        Ok(())
-    }
-
-    fn put_request(&mut self, request: &Request) -> Result<(), LinkFault> {
-        self.client.put(request, &self.peer.bell)
-    }
-
-    fn take_reply(&mut self) -> Result<Option<Reply>, LinkFault> {
-        self.client.take(&self.peer.bell)
-    }
-}
-
-macro_rules! watch_by_peer {
-    ($($ports:ty),*) => {$(
-        impl Watch for $ports {
-            fn side(&self) -> Side {
-                self.peer.side()
-            }
-            fn bell(&self) -> &Bell {
-                self.peer.bell()
-            }
-            fn gone(&self) -> bool {
-                self.peer.gone()
-            }
-            fn left(&self) -> bool {
-                self.peer.left()
-            }
-            fn epitaph(&self) -> String {
-                self.peer.epitaph()
-            }
-            fn stopped(&self) -> bool {
-                self.peer.stopped()
-            }
-            fn cpu_time(&self) -> Option<Duration> {
-                self.peer.cpu_time()
-            }
-        }
-    )*};
-}
-watch_by_peer!(AnalogPorts, DigitalPorts);

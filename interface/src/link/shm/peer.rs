@@ -10,7 +10,7 @@ use crate::{
         LinkFault,
         bell::Bell,
         end::died,
-        waiting::{Limit, Patience, Watch, wait},
+        waiting::{Limit, Patience, Watch, Watched, wait},
     },
     session::{Partner, SHARED_MEMORY, Session},
 };
@@ -38,7 +38,7 @@ pub(super) struct Progress {
 
 /// The session, and the process at its other side as far as it is known.
 #[derive(Debug)]
-pub(super) struct Peer {
+pub struct Peer {
     pub(super) side: Side,
     pub(super) progress: Progress,
     pub(super) bell: Bell,
@@ -112,8 +112,16 @@ impl Peer {
         Ok(())
     }
 
-    pub(super) fn partner(&self) -> Option<&Partner> {
+    fn process(&self) -> Option<&Partner> {
         self.progress.partner.get()
+    }
+}
+
+impl Watched for Peer {
+    type Partner = Peer;
+
+    fn partner(&self) -> &Peer {
+        self
     }
 }
 
@@ -127,23 +135,23 @@ impl Watch for Peer {
     }
 
     fn gone(&self) -> bool {
-        self.partner().is_some_and(Partner::ended)
+        self.process().is_some_and(Partner::ended)
     }
 
     fn left(&self) -> bool {
-        self.bell.partner_closed() || self.partner().is_some_and(Partner::left)
+        self.bell.partner_closed() || self.process().is_some_and(Partner::left)
     }
 
     fn epitaph(&self) -> String {
-        self.partner().map_or_else(|| "it never came".to_owned(), Partner::epitaph)
+        self.process().map_or_else(|| "it never came".to_owned(), Partner::epitaph)
     }
 
     fn stopped(&self) -> bool {
-        self.partner().is_some_and(Partner::stopped)
+        self.process().is_some_and(Partner::stopped)
     }
 
     fn cpu_time(&self) -> Option<Duration> {
-        self.partner().and_then(Partner::cpu_time)
+        self.process().and_then(Partner::cpu_time)
     }
 }
 

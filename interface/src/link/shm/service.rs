@@ -1,11 +1,11 @@
 //! The transport's services, and its words for what fails.
 
-use super::wire::{SamplesWire, UpdatesWire};
+use super::wire::{Frame, Shared};
 use crate::{link::LinkFault, session::Session};
 use iceoryx2::{
     node::Node,
     port::{publisher::Publisher, subscriber::Subscriber},
-    prelude::{Config, FileName, SemanticString, ServiceName, ZeroCopySend, ipc},
+    prelude::{Config, FileName, SemanticString, ServiceName, ipc},
     service::port_factory::publish_subscribe,
 };
 use std::{os::unix::ffi::OsStrExt, time::Duration};
@@ -48,14 +48,14 @@ pub(super) fn service_name(name: &str) -> Result<ServiceName, LinkFault> {
     ServiceName::new(name).map_err(fault("naming a service"))
 }
 
-pub(super) type FrameService<F> = publish_subscribe::PortFactory<ipc::Service, F, ()>;
+/// Both ends of the frames of one direction.
+type FrameService<F> = publish_subscribe::PortFactory<ipc::Service, Shared<F>, ()>;
+pub(super) type FramesOut<F> = Publisher<ipc::Service, Shared<F>, ()>;
+pub(super) type FramesIn<F> = Subscriber<ipc::Service, Shared<F>, ()>;
 
-pub(super) fn frame_service<F: ZeroCopySend + std::fmt::Debug + 'static>(
-    node: &Node<ipc::Service>,
-    name: &str,
-) -> Result<FrameService<F>, LinkFault> {
-    node.service_builder(&service_name(name)?)
-        .publish_subscribe::<F>()
+fn frames<F: Frame>(node: &Node<ipc::Service>) -> Result<FrameService<F>, LinkFault> {
+    node.service_builder(&service_name(F::SERVICE)?)
+        .publish_subscribe::<Shared<F>>()
         .enable_safe_overflow(true)
         .history_size(0)
         .subscriber_max_buffer_size(FRAME_BUFFER)
@@ -67,39 +67,20 @@ pub(super) fn frame_service<F: ZeroCopySend + std::fmt::Debug + 'static>(
         .map_err(fault("opening a frame service"))
 }
 
-pub(super) fn samples_service(
-    node: &Node<ipc::Service>,
-) -> Result<FrameService<SamplesWire>, LinkFault> {
-    frame_service(node, "samples")
-}
-
-pub(super) fn updates_service(
-    node: &Node<ipc::Service>,
-) -> Result<FrameService<UpdatesWire>, LinkFault> {
-    frame_service(node, "updates")
-}
-
-pub(super) fn publisher<F: ZeroCopySend + std::fmt::Debug + 'static>(
-    service: &FrameService<F>,
-) -> Result<Publisher<ipc::Service, F, ()>, LinkFault> {
-    service
+pub(super) fn publisher<F: Frame>(node: &Node<ipc::Service>) -> Result<FramesOut<F>, LinkFault> {
+    frames(node)?
         .publisher_builder()
         .max_loaned_samples(1)
         .create()
         .map_err(fault("creating a publisher"))
 }
 
-pub(super) fn subscriber<F: ZeroCopySend + std::fmt::Debug + 'static>(
-    service: &FrameService<F>,
-) -> Result<Subscriber<ipc::Service, F, ()>, LinkFault> {
-    service.subscriber_builder().create().map_err(fault("creating a subscriber"))
+pub(super) fn subscriber<F: Frame>(node: &Node<ipc::Service>) -> Result<FramesIn<F>, LinkFault> {
+    frames(node)?.subscriber_builder().create().map_err(fault("creating a subscriber"))
 }
 
-pub(super) fn publish<F: ZeroCopySend + std::fmt::Debug + 'static>(
-    publisher: &Publisher<ipc::Service, F, ()>,
-    frame: F,
-) -> Result<(), LinkFault> {
-    let sample = publisher.loan_uninit().map_err(fault("loaning a frame"))?.write_payload(frame);
-    sample.send().map_err(fault("sending a frame"))?;
+pub(super) fn publish<F: Frame>(publisher: &FramesOut<F>, frame: F) -> Result<(), LinkFault> {
+    let sample = publisher.loan_uninit().map_err(fault("loaning a frame"))?;
+    sample.write_payload(Shared(frame)).send().map_err(fault("sending a frame"))?;
     Ok(())
 }

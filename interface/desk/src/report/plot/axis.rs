@@ -6,7 +6,6 @@ use super::drawable;
 /// How an axis maps values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal steps for equal differences.
     Linear,
     /// Equal steps for equal ratios; values that are not positive leave gaps.
     Log,
@@ -19,7 +18,6 @@ pub struct Axis {
     pub label: String,
     /// Its unit; empty when dimensionless.
     pub unit: String,
-    /// Linear or logarithmic.
     pub scale: Scale,
     /// Lower and upper end; found from the data when absent or not usable.
     pub range: Option<(f64, f64)>,
@@ -31,7 +29,6 @@ impl Axis {
         Axis { label: label.into(), unit: unit.into(), scale: Scale::Linear, range: None }
     }
 
-    /// The same, logarithmic.
     pub fn log(mut self) -> Axis {
         self.scale = Scale::Log;
         self

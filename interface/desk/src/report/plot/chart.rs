@@ -1,17 +1,14 @@
-//! What a line chart shows: series, limits and marks on two axes.
+//! What a line chart shows: series and limits on two axes.
 
 use super::axis::Axis;
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Draw {
-    /// Straight lines from point to point.
     Line,
     /// Each value held until the next point, as a converter holds it.
     Step,
-    /// A marker a point.
     Markers,
-    /// Both.
     LineAndMarkers,
 }
 
@@ -28,20 +25,17 @@ impl Draw {
 /// One curve. Where `x` or `y` is not finite (or the shorter of them ends) it has a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Its name in the legend.
     pub name: String,
     /// Abscissae, in the axis's unit.
     pub x: Vec<f64>,
     /// Ordinates, in the axis's unit.
     pub y: Vec<f64>,
-    /// Line or markers.
     pub draw: Draw,
     /// Colour, dash and marker; its place in the chart when absent.
     pub style: Option<usize>,
 }
 
 impl Series {
-    /// A curve drawn as a line.
     pub fn line(name: impl Into<String>, x: &[f64], y: &[f64]) -> Series {
         Series { name: name.into(), x: x.to_vec(), y: y.to_vec(), draw: Draw::Line, style: None }
     }
@@ -52,7 +46,6 @@ impl Series {
         Series { name: name.into(), x, y, draw: Draw::Line, style: None }
     }
 
-    /// Points drawn as markers.
     pub fn markers(name: impl Into<String>, x: &[f64], y: &[f64]) -> Series {
         Series::line(name, x, y).draw(Draw::Markers)
     }
@@ -62,7 +55,6 @@ impl Series {
         Series::line(name, x, y).draw(Draw::Step)
     }
 
-    /// The same, drawn otherwise.
     pub fn draw(mut self, draw: Draw) -> Series {
         self.draw = draw;
         self
@@ -80,25 +72,13 @@ impl Series {
 pub struct Limit {
     /// Where, in the ordinate's unit.
     pub value: f64,
-    /// What it limits.
-    pub name: String,
-}
-
-/// A vertical line at an event.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
-    /// Where, in the abscissa's unit.
-    pub x: f64,
-    /// What happens there.
     pub name: String,
 }
 
 /// Size of a figure, CSS pixels at full width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// Width.
     pub width: u16,
-    /// Height.
     pub height: u16,
 }
 
@@ -112,49 +92,25 @@ impl Size {
 /// What a chart shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineChart {
-    /// Heading inside the figure; may be empty.
     pub title: String,
-    /// The abscissa.
     pub x: Axis,
-    /// The ordinate.
     pub y: Axis,
-    /// The curves, in the order of the legend.
     pub series: Vec<Series>,
-    /// Horizontal limits.
     pub limits: Vec<Limit>,
-    /// Vertical event marks.
-    pub marks: Vec<Mark>,
-    /// Size.
     pub size: Size,
 }
 
 impl LineChart {
-    /// A chart without limits and marks, at full size.
+    /// A chart without limits, at full size.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> LineChart {
-        LineChart {
-            title: title.into(),
-            x,
-            y,
-            series,
-            limits: Vec::new(),
-            marks: Vec::new(),
-            size: Size::FULL,
-        }
+        LineChart { title: title.into(), x, y, series, limits: Vec::new(), size: Size::FULL }
     }
 
-    /// The same with a limit line.
     pub fn limit(mut self, value: f64, name: impl Into<String>) -> LineChart {
         self.limits.push(Limit { value, name: name.into() });
         self
     }
 
-    /// The same with an event mark.
-    pub fn mark(mut self, x: f64, name: impl Into<String>) -> LineChart {
-        self.marks.push(Mark { x, name: name.into() });
-        self
-    }
-
-    /// The same at another size.
     pub fn size(mut self, size: Size) -> LineChart {
         self.size = size;
         self

@@ -7,7 +7,7 @@ use super::chart::Size;
 use super::pen::{Point, Px, markers, polyline};
 
 /// Mean width of a character at the labels' size.
-pub(super) const CHARACTER: f64 = 6.8;
+const CHARACTER: f64 = 6.8;
 /// Height of a row of the legend.
 const ROW: f64 = 20.0;
 
@@ -71,14 +71,12 @@ impl Area<'_> {
     }
 }
 
-/// A figure with a title, a legend and two axes. `draw` fills the plotting area, above which
-/// `headroom` pixels are left free.
+/// A figure with a title, a legend and two axes. `draw` fills the plotting area.
 pub(super) fn frame(
     title: &str,
     size: Size,
     (x, y): (&FittedAxis, &FittedAxis),
     keys: &[Key],
-    headroom: f64,
     draw: impl FnOnce(&Area<'_>) -> Markup,
 ) -> Markup {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
@@ -87,7 +85,7 @@ pub(super) fn frame(
     let head = if title.is_empty() { 12.0 } else { 36.0 };
     let places = lay_out_legend(keys, left, right);
     let rows = places.last().map_or(0.0, |(_, row)| row + 1.0);
-    let top = head + rows * ROW + headroom;
+    let top = head + rows * ROW;
     let area = Area { x, y, width: right - left, height: height - 45.0 - top };
     let middle = Px(-(top + area.height / 2.0));
     html! {

@@ -8,6 +8,9 @@ use maud::{Markup, html};
 
 use super::super::format::typeset;
 
+/// Significant digits.
+const DIGITS: usize = 2;
+
 /// One cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatCell {
@@ -33,16 +36,12 @@ pub struct HeatMap {
     pub quantity: String,
     /// Heading of the corner (`Condition`).
     pub corner: String,
-    /// Row headings.
     pub rows: Vec<String>,
-    /// Column headings.
     pub columns: Vec<String>,
     /// Cells by row; a short or missing row is filled with dashes.
     pub cells: Vec<Vec<HeatCell>>,
     /// Values of the palest and the deepest tint; the data's extremes when absent.
     pub scale: Option<(f64, f64)>,
-    /// Significant digits.
-    pub digits: usize,
 }
 
 /// The matrix as a table with its colour scale.
@@ -72,9 +71,9 @@ pub fn heat_map(map: &HeatMap) -> Markup {
                                 @let cell = map.cells.get(r).and_then(|cells| cells.get(c)).unwrap_or(&blank);
                                 td.violated[cell.violated] style=(format!("--v:{}%", tint(cell.value))) {
                                     @if let Some(href) = &cell.href {
-                                        a href=(href) { (content(cell, map.digits)) }
+                                        a href=(href) { (content(cell)) }
                                     } @else {
-                                        (content(cell, map.digits))
+                                        (content(cell))
                                     }
                                 }
                             }
@@ -86,7 +85,7 @@ pub fn heat_map(map: &HeatMap) -> Markup {
         p.scale {
             (map.quantity) ". "
             @if low < high && low.is_finite() && high.is_finite() {
-                span.nobreak { (typeset(low, map.digits)) " " span.ramp {} " " (typeset(high, map.digits)) }
+                span.nobreak { (typeset(low, DIGITS)) " " span.ramp {} " " (typeset(high, DIGITS)) }
                 " "
             }
             span.nobreak { "✗ outside the criterion" }
@@ -94,8 +93,8 @@ pub fn heat_map(map: &HeatMap) -> Markup {
     }
 }
 
-fn content(cell: &HeatCell, digits: usize) -> Markup {
-    html! { @if cell.violated { "✗\u{202f}" } (typeset(cell.value, digits)) }
+fn content(cell: &HeatCell) -> Markup {
+    html! { @if cell.violated { "✗\u{202f}" } (typeset(cell.value, DIGITS)) }
 }
 
 #[cfg(test)]
@@ -115,7 +114,6 @@ mod tests {
                 href: Some("#r1".to_owned()),
             }]],
             scale: Some((0.0, 100.0)),
-            digits: 2,
         })
         .into_string();
         assert!(

@@ -5,11 +5,11 @@ use maud::{Markup, html};
 use super::STYLES;
 use super::chart::{Draw, LineChart};
 use super::curve::Curve;
-use super::frame::{Area, CHARACTER, Key, frame};
+use super::frame::{Area, Key, frame};
 use super::pen::{Px, polyline};
 
-/// Height of a row of event labels.
-const MARK_ROW: f64 = 15.0;
+/// Height of a label.
+const LABEL_ROW: f64 = 15.0;
 
 /// The chart as SVG for [`mod@crate::report::page`].
 pub fn line_chart(chart: &LineChart) -> Markup {
@@ -47,20 +47,18 @@ pub fn line_chart(chart: &LineChart) -> Markup {
             marker: series.draw.marker(),
         })
         .collect();
-    let headroom = if chart.marks.is_empty() { 0.0 } else { MARK_ROW };
-    frame(&chart.title, chart.size, (&x, &y), &keys, headroom, |area| {
+    frame(&chart.title, chart.size, (&x, &y), &keys, |area| {
         let cut = points().any(|&(x, y)| !area.holds(area.at(x, y)));
-        let (limits, marks) = (limits_in(area, chart), marks_in(area, chart));
+        let limits = limits_in(area, chart);
         html! {
             svg.plot.cut[cut] width=(Px(area.width)) height=(Px(area.height)) data-x=(x.ends()) data-y=(y.ends()) {
-                @for mark in &marks { (polyline("mk", &[(mark.x, 0.0), (mark.x, area.height)])) }
                 @for limit in &limits { (polyline("li", &[(0.0, limit.y), (area.width, limit.y)])) }
                 @for (curve, series) in curves.iter().zip(&chart.series) {
                     g.series data-name=(if series.name.is_empty() { &y.title } else { &series.name }) { (curve.draw(area)) }
                 }
             }
-            @for (class, label) in marks.iter().map(|mark| ("mt", mark)).chain(limits.iter().map(|limit| ("lt", limit))) {
-                text class=(class) x=(Px(label.x)) y=(Px(label.y)) dx=(label.dx) dy=(label.dy) text-anchor=(if label.dx > 0.0 { "start" } else { "end" }) { (label.text) }
+            @for limit in &limits {
+                text.lt x=(Px(area.width)) y=(Px(limit.y)) dx="-4" dy=(limit.dy) text-anchor="end" { (limit.text) }
             }
             @if points().next().is_none() {
                 text.mt x=(Px(area.width / 2.0)) y=(Px(area.height / 2.0)) text-anchor="middle" { "no data" }
@@ -69,12 +67,10 @@ pub fn line_chart(chart: &LineChart) -> Markup {
     })
 }
 
-/// The label of a limit or a mark: the place on its line, and how far from it the text stands.
+/// The label of a limit: the height of its line, and how far from it the text stands.
 struct Label<'a> {
     text: &'a str,
-    x: f64,
     y: f64,
-    dx: f64,
     dy: f64,
 }
 
@@ -89,37 +85,11 @@ fn limits_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
             continue;
         }
         // Above the line unless a label stands there already or the frame ends.
-        let taken = labels.iter().any(|other| (other.y + other.dy - (y - 3.0)).abs() < MARK_ROW);
-        let dy = if y < MARK_ROW || taken { 13.0 } else { -3.0 };
-        labels.push(Label { text: &limit.name, x: area.width, y, dx: -4.0, dy });
+        let taken = labels.iter().any(|other| (other.y + other.dy - (y - 3.0)).abs() < LABEL_ROW);
+        let dy = if y < LABEL_ROW || taken { 13.0 } else { -3.0 };
+        labels.push(Label { text: &limit.name, y, dy });
     }
     labels
-}
-
-fn marks_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
-    let mut marks: Vec<(f64, &str)> = chart
-        .marks
-        .iter()
-        .filter_map(|mark| Some((area.at(chart.x.map(mark.x)?, 0.0).0, mark.name.as_str())))
-        .filter(|(x, _)| (0.0..=area.width).contains(x))
-        .collect();
-    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Labels stand above the plotting area; those that would touch move down a row.
-    let mut row_ends: Vec<f64> = Vec::new();
-    marks
-        .into_iter()
-        .map(|(x, text)| {
-            let width = text.chars().count() as f64 * CHARACTER;
-            let before = x + 4.0 + width > area.width;
-            let (start, end) = if before { (x - 4.0 - width, x) } else { (x, x + 8.0 + width) };
-            let row = row_ends.iter().position(|&row_end| row_end <= start);
-            let row = row.unwrap_or(row_ends.len());
-            row_ends.resize(row_ends.len().max(row + 1), end);
-            row_ends[row] = end;
-            let dx = if before { -3.0 } else { 3.0 };
-            Label { text, x, y: 0.0, dx, dy: row as f64 * MARK_ROW - 3.0 }
-        })
-        .collect()
 }
 
 #[cfg(test)]
@@ -188,13 +158,11 @@ mod tests {
         let name = "a<b>&\"c\"";
         let axis = || Axis::new(name, "");
         let series = vec![Series::line(name, &[0.0, 1.0], &[0.0, 1.0])];
-        let svg = line_chart(
-            &LineChart::new(name, axis(), axis(), series).limit(0.5, name).mark(0.5, name),
-        );
+        let svg = line_chart(&LineChart::new(name, axis(), axis(), series).limit(0.5, name));
         let svg = svg.into_string();
         assert!(!svg.contains("<b>") && !svg.contains("&\""), "{svg}");
-        // Title twice, legend, both axes, limit, mark, and the series itself.
-        assert_eq!(svg.matches("a&lt;b&gt;&amp;&quot;c&quot;").count(), 8, "{svg}");
+        // Title twice, legend, both axes, limit, and the series itself.
+        assert_eq!(svg.matches("a&lt;b&gt;&amp;&quot;c&quot;").count(), 7, "{svg}");
     }
 
     #[test]

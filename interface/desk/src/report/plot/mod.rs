@@ -18,10 +18,10 @@ mod pen;
 mod tornado;
 
 pub use axis::{Axis, Scale};
-pub use chart::{Draw, Limit, LineChart, Mark, Series, Size};
+pub use chart::{Draw, Limit, LineChart, Series, Size};
 pub use compared::{Compared, measured_vs_theory};
 pub use heat_map::{HeatCell, HeatMap, heat_map};
-pub use histogram::{Histogram, histogram};
+pub use histogram::histogram;
 pub use line_chart::line_chart;
 pub use tornado::{Tornado, TornadoBar, tornado};
 
@@ -60,10 +60,7 @@ mod tests {
             let draw = [Draw::Line, Draw::Step, Draw::Markers, Draw::LineAndMarkers][style];
             let series = vec![Series::line("", &xs, &ys).draw(draw); style];
             let title = String::new;
-            let lines = LineChart::new("t", axis(), axis(), series).limit(at, "limit").mark(at, "mark");
-            let bars = Histogram {
-                title: title(), x: axis(), values: ys.clone(), bins, log_counts: log, size: Size::HALF,
-            };
+            let lines = LineChart::new("t", axis(), axis(), series).limit(at, "limit");
             let ends = xs.iter().zip(&ys);
             let effects = Tornado {
                 title: title(),
@@ -78,14 +75,13 @@ mod tests {
                 columns: (0..columns).map(|n| n.to_string()).collect(),
                 cells: xs.chunks(5).map(|row| row.iter().map(|&v| HeatCell::new(v)).collect()).collect(),
                 scale: range,
-                digits: 3,
             };
             let cells = heat_map(&cells).into_string();
             prop_assert_eq!(cells.matches("<td").count(), rows * columns);
             prop_assert!(!cells.contains("NaN"));
             for (figure, end) in [
                 (line_chart(&lines), "</svg>"),
-                (histogram(&bars), "</svg>"),
+                (histogram(&axis(), ys.iter().copied(), bins), "</svg>"),
                 (tornado(&effects), "</div>"),
             ] {
                 let figure = figure.into_string();

@@ -10,20 +10,15 @@ use super::axis::Axis;
 pub struct TornadoBar {
     /// What is dispersed, and by how much (`Bending frequency ±10 %`).
     pub name: String,
-    /// The result at the lower setting.
     pub low: f64,
-    /// The result at the upper setting.
     pub high: f64,
 }
 
 /// What a tornado plot shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tornado {
-    /// Heading inside the figure.
     pub title: String,
-    /// The result and its unit.
     pub x: Axis,
-    /// The result without dispersion.
     pub nominal: f64,
     /// In any order; they are ranked here by their total span.
     pub bars: Vec<TornadoBar>,
