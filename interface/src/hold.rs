@@ -100,15 +100,6 @@ mod tests {
     const MS: Tick = Tick(1_000_000);
 
     #[test]
-    fn zero_order_holds() {
-        let mut hold = Hold::new(HoldKind::ZeroOrder, 5.0);
-        assert_eq!(hold.piece().at(MS), 5.0);
-        hold.transfer(MS, 1.0);
-        hold.transfer(MS * 2, 2.0);
-        assert_eq!(hold.piece().at(MS * 9), 2.0);
-    }
-
-    #[test]
     fn extrapolation_reproduces_a_ramp() {
         let mut hold = Hold::new(HoldKind::Extrapolating, 0.0);
         for k in 0..5 {

@@ -6,6 +6,7 @@ use digital_proc::linkage::{
     console::Console,
     launch::{AnalogEntry, LinkChoice, Started},
 };
+use interface::control::PatchBundle;
 use std::{
     path::{Path, PathBuf},
     process::{Child, Command, Output, Stdio},
@@ -109,12 +110,23 @@ impl BenchTop {
         (new.remove(0), output)
     }
 
+    /// A file beside the runs.
+    pub fn file(&self, name: &str, text: &str) -> PathBuf {
+        std::fs::create_dir_all(self.runs()).unwrap();
+        let path = self.runs().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
     /// A patch whose frames never end: x follows a cosine at 1e13 a second, 3e12 steps a second.
     pub fn stiff_patch(&self) -> PathBuf {
-        std::fs::create_dir_all(self.runs()).unwrap();
-        let path = self.runs().join("stiff.toml");
-        std::fs::write(&path, STIFF_PATCH).unwrap();
-        path
+        self.file("stiff.toml", STIFF_PATCH)
+    }
+
+    /// The trace of every run, as it stands in its file.
+    pub fn traces(&self) -> Vec<Vec<u8>> {
+        let runs = self.run_directories().into_iter();
+        runs.map(|run| std::fs::read(run.join("trace.arrow")).unwrap()).collect()
     }
 
     /// Run directories in the order of their names.
@@ -131,6 +143,11 @@ impl BenchTop {
             .map_or_else(|_| Vec::new(), |dir| dir.map(|e| e.unwrap().path()).collect());
         assert!(left.is_empty(), "left in the base directory: {left:?}");
     }
+}
+
+/// A patch of one file.
+pub fn bundle(text: &str) -> PatchBundle {
+    PatchBundle { root: "p".into(), files: vec![("p".into(), text.into())] }
 }
 
 /// Does `work` at the console of a machine within this thread.
@@ -231,6 +248,19 @@ pub fn partner_of(child: &Child) -> u32 {
     until("the analog side", Duration::from_secs(5), || {
         children(child.id()).into_iter().find(|p| argv0(*p) == "analog-proc")
     })
+}
+
+/// A page refers to nothing outside itself, and its links lead somewhere.
+pub fn assert_self_contained(path: &Path) -> String {
+    let html = std::fs::read_to_string(path).unwrap();
+    for outside in ["http:", "https:", "src=", "import", "url(", "fetch", "<link", "NaN"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    for link in html.split("href=\"").skip(1) {
+        let target = link.split('"').next().unwrap().strip_prefix('#').unwrap();
+        assert!(html.contains(&format!("id=\"{target}\"")), "#{target} leads nowhere");
+    }
+    html
 }
 
 /// Rows of a trace that can be read, whether it was ended or cut off; none before it is begun.

@@ -1,6 +1,6 @@
 //! A flight gives the same trace to the last bit, whatever joins or loads the two sides.
 
-use crate::bench_top::{BenchTop, Busy};
+use crate::bench_top::BenchTop;
 use std::process::Command;
 
 fn trace_of(command: &mut Command, bench: &BenchTop) -> Vec<u8> {
@@ -17,20 +17,14 @@ fn pinned(bench: &BenchTop, args: &[&str]) -> Command {
 
 #[test]
 fn memory_and_shared_memory_one_core_and_two_fly_alike() {
-    let bench = BenchTop::new();
-    let shm = trace_of(&mut bench.fly(&[]), &bench);
-    assert!(shm == trace_of(&mut bench.fly(&["--link", "memory"]), &bench), "memory link differs");
-    assert!(shm == trace_of(&mut pinned(&bench, &[]), &bench), "one core differs");
-    bench.assert_clean();
-}
-
-#[test]
-fn latency_and_skew_keep_it_deterministic() {
-    let bench = BenchTop::new();
-    let args = ["--until", "12s", "--latency", "20ms", "--skew", "100us"];
-    let shm = trace_of(&mut bench.fly(&args), &bench);
-    let memory: Vec<&str> = args.iter().copied().chain(["--link", "memory"]).collect();
-    assert!(shm == trace_of(&mut bench.fly(&memory), &bench));
+    for args in [&[][..], &["--until", "12s", "--latency", "20ms", "--skew", "100us"]] {
+        let bench = BenchTop::new();
+        let shm = trace_of(&mut bench.fly(args), &bench);
+        let memory = trace_of(bench.fly(args).args(["--link", "memory"]), &bench);
+        assert!(shm == memory, "{args:?}: the memory link differs");
+        assert!(shm == trace_of(&mut pinned(&bench, args), &bench), "{args:?}: one core differs");
+        bench.assert_clean();
+    }
 }
 
 #[test]
@@ -45,14 +39,4 @@ fn two_hundred_repeats_are_identical() {
         }
     }
     bench.assert_clean();
-}
-
-#[test]
-fn load_on_both_cores_changes_nothing() {
-    let bench = BenchTop::new();
-    let quiet = trace_of(&mut bench.fly(&["--until", "10s"]), &bench);
-    let busy = Busy::programs(4);
-    let loaded = trace_of(&mut bench.fly(&["--until", "10s"]), &bench);
-    drop(busy);
-    assert!(quiet == loaded);
 }

@@ -211,14 +211,3 @@ fn a_number_agrees_to_the_digits_shown() {
     assert!(shows(output, &["time x".into(), "0.5 0.37".into()]).is_ok());
     assert!(shows(output, &["0.5 0.37".into(), "time x".into()]).is_err());
 }
-
-#[test]
-fn commands_are_found_with_their_exit_codes() {
-    let text = "## A\n```sh\ncargo run --release -- fly\nanalog-proc x  # exits with 2\n```\n```text\nout 1\n```\n## B\n```toml\nx\n```\n";
-    let all = chapters(text);
-    let commands: Vec<(&str, i32)> =
-        all[0].steps.iter().map(|s| (s.command.as_str(), s.code)).collect();
-    assert_eq!(commands, [("digital-proc fly", 0), ("analog-proc x", 2)]);
-    assert_eq!(all[0].steps[1].shows, ["out 1"]);
-    assert!(all[1].steps.is_empty());
-}

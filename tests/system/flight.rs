@@ -1,7 +1,10 @@
 //! The flight that the README promises.
 
-use crate::bench_top::{BenchTop, argv0, children, expect, partner_of, runs, stderr, wait_within};
-use std::{path::Path, time::Duration};
+use crate::bench_top::{
+    BenchTop, argv0, assert_self_contained, children, expect, partner_of, runs, stderr, until,
+    wait_within,
+};
+use std::time::Duration;
 
 #[test]
 fn the_normal_flight_comes_out_as_designed() {
@@ -33,27 +36,19 @@ fn the_normal_flight_comes_out_as_designed() {
     bench.assert_clean();
 }
 
-/// A page refers to nothing outside itself, and its links lead somewhere.
-pub fn assert_self_contained(path: &Path) -> String {
-    let html = std::fs::read_to_string(path).unwrap();
-    for outside in ["http:", "https:", "src=", "import", "url(", "fetch", "<link", "NaN"] {
-        assert!(!html.contains(outside), "{outside}");
-    }
-    for link in html.split("href=\"").skip(1) {
-        let target = link.split('"').next().unwrap().strip_prefix('#').unwrap();
-        assert!(html.contains(&format!("id=\"{target}\"")), "#{target} leads nowhere");
-    }
-    html
-}
-
 #[test]
-fn two_processes_fly_and_none_is_left() {
+fn two_processes_of_two_names_fly_and_none_is_left() {
     let bench = BenchTop::new();
     // Millisecond frames make the flight last long enough to be looked at.
     let child = bench.fly(&["--frame", "1ms", "--fast", "1"]).spawn().unwrap();
     let analog = partner_of(&child);
     assert_eq!(argv0(analog), "analog-proc");
     assert_eq!(children(child.id()), [analog]);
+    let name = |pid| std::fs::read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
+    until("the name of analog-proc", Duration::from_secs(5), || {
+        (name(analog).trim_end() == "analog-proc").then_some(())
+    });
+    assert_eq!(name(child.id()).trim_end(), "digital-proc");
     let (output, _) = wait_within(child, Duration::from_secs(60));
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(!runs(analog));
@@ -67,6 +62,8 @@ fn mistakes_on_the_command_line_are_explained() {
         (&["--mode", "rol-lost"][..], "roll-lost"),
         (&["--frame", "100"][..], "unit"),
         (&["--frame", "1ns", "--fast", "3"][..], "--fast"),
+        (&["--fast", "0"][..], "at least 1"),
+        (&["--misalign-yaw", "nan"][..], "finite"),
         (&["--latency", "1s"][..], "--latency"),
         (&["--profile", "ad5"][..], "ad4"),
         (&["--vehicle", "no-such.toml"][..], "no-such.toml"),

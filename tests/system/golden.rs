@@ -84,9 +84,9 @@ pub fn of_json(part: &serde_json::Value) -> String {
 }
 
 /// Runs `digital-proc` to a good end and returns the run directory that it made.
-fn run(bench: &BenchTop, args: &[&str]) -> PathBuf {
+fn run(bench: &BenchTop, args: &str) -> PathBuf {
     let link = std::env::var("GOLDEN_LINK").unwrap_or_else(|_| "memory".into());
-    let mut command = bench.command(DIGITAL, args);
+    let mut command = bench.command(DIGITAL, &args.split(' ').collect::<Vec<_>>());
     bench.made(command.args(["--link", &link, "--out"]).arg(bench.runs())).0
 }
 
@@ -99,14 +99,14 @@ fn flights_in_all_modes() {
     let mut found = Section::new();
     for mode in modes {
         let mode = mode["name"].as_str().unwrap();
-        let run = run(&bench, &["fly", "--mode", mode]);
+        let run = run(&bench, &format!("fly --mode {mode}"));
         found.insert(mode.into(), of_trace(&run.join("trace.arrow")));
     }
     for (name, args) in [
-        ("random wind", ["--wind", "ensemble", "--seed", "7"]),
-        ("ad4, headwind", ["--profile", "ad4", "--wind", "headwind"]),
+        ("random wind", "fly --wind ensemble --seed 7"),
+        ("ad4, headwind", "fly --profile ad4 --wind headwind"),
     ] {
-        let run = run(&bench, &[&["fly"], &args[..]].concat());
+        let run = run(&bench, args);
         found.insert(name.into(), of_trace(&run.join("trace.arrow")));
     }
     hold("flight", found);
@@ -119,29 +119,30 @@ fn every_table_of_the_laboratory() {
     let mut found = Section::new();
     // Settings that keep the whole below some seconds.
     for args in [
-        &["budget"][..],
-        &["circle"],
-        &["root"],
-        &["alpha", "--omega", "4", "--gain", "0.2"],
-        &["function-generation"],
-        &["axes"],
-        &["noise", "--frames", "10001"],
-        &["skew"],
-        &["coefficients"],
-        &["flight", "--frame", "20ms,100ms", "--until", "26s"],
-        &["loop", "patch-files/studies/servo-loop.toml"],
+        "budget",
+        "circle",
+        "root",
+        "alpha --omega 4 --gain 0.2",
+        "function-generation",
+        "axes",
+        "noise --frames 10001",
+        "skew",
+        "coefficients",
+        "flight --frame 20ms,100ms --until 26s",
+        "loop patch-files/studies/servo-loop.toml",
     ] {
-        let run = run(&bench, &[&["sampling"], args].concat());
+        let run = run(&bench, &format!("sampling {args}"));
+        let experiment = args.split(' ').next().unwrap();
         let before = found.len();
         for entry in std::fs::read_dir(run).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|e| e == "csv") {
-                let name = format!("{} {}", args[0], path.file_name().unwrap().display());
+                let name = format!("{experiment} {}", path.file_name().unwrap().display());
                 let text = std::fs::read(&path).unwrap();
                 found.insert(name, hex(Sha256::new_with_prefix(text)));
             }
         }
-        assert!(found.len() > before, "{args:?} left no table");
+        assert!(found.len() > before, "{args} left no table");
     }
     hold("laboratory", found);
     bench.assert_clean();

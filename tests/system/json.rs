@@ -91,94 +91,72 @@ fn assert_output(what: &str, output: &Output) -> Value {
 fn every_command_has_one_form() {
     let bench = BenchTop::new();
     let patch = |name: &str| format!("{}/patch-files/{name}", env!("CARGO_MANIFEST_DIR"));
-    let (sound, faulty) = (&*patch("decay.toml"), &*patch("bad/several-faults.toml"));
-    let study = &*patch("studies/servo-loop.toml");
     let at = |name: &str| bench.runs().join(name).display().to_string();
-    let (runs, csv, svg, html) = (&*at(""), &*at("a.csv"), &*at("a.svg"), &*at("a.html"));
+    let places = [
+        ("SOUND", patch("decay.toml")),
+        ("FAULTY", patch("bad/several-faults.toml")),
+        ("STUDY", patch("studies/servo-loop.toml")),
+        ("RUNS", at("")),
+        ("CSV", at("a.csv")),
+        ("SVG", at("a.svg")),
+        ("HTML", at("a.html")),
+    ];
     // The command, its exit code, and what its JSON has, in pointers of RFC 6901.
-    for (binary, args, code, has) in [
+    for (command, code, has) in [
+        ("digital fly --until 1s --out RUNS", 0, "/run /results/max_q_pa"),
+        ("digital fly --until 1s --clock wall --out RUNS", 0, "/tables/overruns"),
+        ("digital replay last --runs RUNS", 0, "/run /results/rows"),
+        ("digital list --runs RUNS", 0, "/tables/runs/1/state"),
+        ("digital export last --runs RUNS --out CSV", 0, "/run /tables/files/0/file"),
+        ("digital plot last --runs RUNS --out HTML", 0, "/run /tables/files/0/file"),
         (
-            DIGITAL,
-            &["fly", "--until", "1s", "--out", runs][..],
+            "digital short-period pitch --point max-q --out RUNS",
             0,
-            &["/run", "/results/max_q_pa"][..],
+            "/run /tables/pitch/1/overshoot_percent /tables/linear_agreement/0/agrees",
         ),
         (
-            DIGITAL,
-            &["fly", "--until", "1s", "--clock", "wall", "--out", runs],
+            "digital short-period yaw-roll --point max-q --out RUNS",
             0,
-            &["/tables/overruns"],
+            "/run /tables/yaw_roll/0/tvc_called_s",
         ),
-        (DIGITAL, &["replay", "last", "--runs", runs], 0, &["/run", "/results/rows"]),
-        (DIGITAL, &["list", "--runs", runs], 0, &["/tables/runs/1/state"]),
-        (
-            DIGITAL,
-            &["export", "last", "--runs", runs, "--out", csv],
-            0,
-            &["/run", "/tables/files/0/file"],
-        ),
-        (
-            DIGITAL,
-            &["plot", "last", "--runs", runs, "--out", html],
-            0,
-            &["/run", "/tables/files/0/file"],
-        ),
-        (
-            DIGITAL,
-            &["short-period", "pitch", "--point", "max-q", "--out", runs],
-            0,
-            &["/run", "/tables/pitch/1/overshoot_percent", "/tables/linear_agreement/0/agrees"],
-        ),
-        (
-            DIGITAL,
-            &["short-period", "yaw-roll", "--point", "max-q", "--out", runs],
-            0,
-            &["/run", "/tables/yaw_roll/0/tvc_called_s"],
-        ),
-        (DIGITAL, &["failures"], 0, &["/tables/modes/0/mode"]),
-        (
-            ANALOG,
-            &["check", sound],
-            0,
-            &["/results/blocks", "/tables/patch/0/sha_256", "/tables/static_check/0"],
-        ),
-        (
-            ANALOG,
-            &["run", sound, "--until", "1s", "--out", csv],
-            0,
-            &["/results/steps", "/tables/files/0/file"],
-        ),
-        (ANALOG, &["linearise", sound], 0, &["/tables/roots/0/real_part_1_s", "/tables/a/0/row"]),
-        (ANALOG, &["linearise", sound, "--output", "nobody"], 2, &[]),
-        (ANALOG, &["draw", sound, "--out", svg], 0, &["/results/blocks", "/tables/files/0/file"]),
-        (DIGITAL, &["sampling", "circle", "--out", runs], 0, &["/run", "/claims/0/verdict"]),
-        (DIGITAL, &["sampling", "noise", "--frames", "1001", "--out", runs], 0, &["/run"]),
-        (DIGITAL, &["sampling", "loop", study, "--out", runs], 0, &["/run"]),
-        (DIGITAL, &["sampling", "loop", faulty, "--out", runs], 2, &["/error/faults/0/line"]),
+        ("digital failures", 0, "/tables/modes/0/mode"),
+        ("analog check SOUND", 0, "/results/blocks /tables/patch/0/sha_256 /tables/static_check/0"),
+        ("analog run SOUND --until 1s --out CSV", 0, "/results/steps /tables/files/0/file"),
+        ("analog linearise SOUND", 0, "/tables/roots/0/real_part_1_s /tables/a/0/row"),
+        ("analog linearise SOUND --output nobody", 2, ""),
+        ("analog draw SOUND --out SVG", 0, "/results/blocks /tables/files/0/file"),
+        ("digital sampling circle --out RUNS", 0, "/run /claims/0/verdict"),
+        ("digital sampling noise --frames 1001 --out RUNS", 0, "/run"),
+        ("digital sampling loop STUDY --out RUNS", 0, "/run"),
+        ("digital sampling loop FAULTY --out RUNS", 2, "/error/faults/0/line"),
         // What fails: a check, the command line, files, surroundings, the flight itself, output.
-        (ANALOG, &["check", sound, "--set", "pace=0.1"], 1, &["/tables/static_check/0"]),
-        (ANALOG, &["check", faulty], 2, &["/error/faults/1/line", "/error/faults/1/code"]),
-        (ANALOG, &["check", sound, "--profile", "ad5"], 2, &[]),
-        (ANALOG, &["run", sound, "--until", "1s", "--record", "nobody", "--out", csv], 2, &[]),
-        (ANALOG, &["run", sound, "--until", "1"], 2, &[]),
-        (ANALOG, &["run", sound, "--until", "1s", "--record", "x,x"], 2, &[]),
-        (ANALOG, &["cheque", sound], 2, &[]),
-        (DIGITAL, &["fly", "--frmae", "1s"], 2, &[]),
-        (DIGITAL, &["fly", "--mode", "rol-lost", "--out", runs], 2, &["/error/faults/0/remedy"]),
-        (DIGITAL, &["fly", "--vehicle", sound, "--out", runs], 2, &["/error/faults/0/line"]),
-        (DIGITAL, &["fly", "--attach", "nobody", "--out", runs], 2, &[]),
-        (DIGITAL, &["fly", "--misalign-pitch", "300", "--out", runs], 2, &["/run"]),
-        (DIGITAL, &["failures", sound], 2, &["/error/faults/0/line"]),
-        (DIGITAL, &["replay", "nobody", "--runs", runs], 2, &[]),
-        (DIGITAL, &["list", "--runs", sound], 2, &[]),
-        (DIGITAL, &["plot", "last", "--runs", runs, "--out", "/dev/full"], 4, &[]),
-        (DIGITAL, &["export", "last", "--runs", runs, "--out", "/dev/full"], 4, &[]),
-        (ANALOG, &["draw", sound, "--out", "/no/folder/a.svg"], 2, &[]),
+        ("analog check SOUND --set pace=0.1", 1, "/tables/static_check/0"),
+        ("analog check FAULTY", 2, "/error/faults/1/line /error/faults/1/code"),
+        ("analog check SOUND --profile ad5", 2, ""),
+        ("analog run SOUND --until 1s --record nobody --out CSV", 2, ""),
+        ("analog run SOUND --until 1", 2, ""),
+        ("analog run SOUND --until 1s --record x,x", 2, ""),
+        ("analog cheque SOUND", 2, ""),
+        ("digital fly --frmae 1s", 2, ""),
+        ("digital fly --mode rol-lost --out RUNS", 2, "/error/faults/0/remedy"),
+        ("digital fly --vehicle SOUND --out RUNS", 2, "/error/faults/0/line"),
+        ("digital fly --attach nobody --out RUNS", 2, ""),
+        ("digital fly --misalign-pitch 300 --out RUNS", 2, "/run"),
+        ("digital failures SOUND", 2, "/error/faults/0/line"),
+        ("digital replay nobody --runs RUNS", 2, ""),
+        ("digital list --runs SOUND", 2, ""),
+        ("digital plot last --runs RUNS --out /dev/full", 4, ""),
+        ("digital export last --runs RUNS --out /dev/full", 4, ""),
+        ("analog draw SOUND --out /no/folder/a.svg", 2, ""),
     ] {
-        let what = format!("{args:?}");
-        let output = expect(bench.command(binary, args).arg("--json"), code);
-        let value = assert_output(&what, &output);
-        for pointer in has {
+        let mut words = command.split(' ');
+        let binary = if words.next() == Some("digital") { DIGITAL } else { ANALOG };
+        let place = |word| places.iter().find(|p| p.0 == word).map_or(word, |p| &*p.1);
+        let args: Vec<&str> = words.map(place).collect();
+        let what = command;
+        let output = expect(bench.command(binary, &args).arg("--json"), code);
+        let value = assert_output(what, &output);
+        for pointer in has.split_whitespace() {
             assert!(
                 value.pointer(pointer).is_some_and(|v| !v.is_null()),
                 "{what}: {pointer}: {value}"
@@ -189,7 +167,8 @@ fn every_command_has_one_form() {
         }
     }
     // Where the record takes standard output, the rest is told beside it.
-    let output = expect(&mut bench.command(ANALOG, &["run", sound, "--until", "1s", "--json"]), 0);
+    let run = ["run", &places[0].1, "--until", "1s", "--json"];
+    let output = expect(&mut bench.command(ANALOG, &run), 0);
     assert!(output.stdout.starts_with(b"time,"));
     assert_form("run", &output.stderr, 0);
     bench.assert_clean();

@@ -46,26 +46,14 @@ denominator = [1.0]
 "#;
 
 /// What is run and killed, and how long it may live before that.
-struct Kind {
-    name: &'static str,
-    args: &'static [&'static str],
-    life: Duration,
-}
-
-const KINDS: [Kind; 4] = [
-    Kind {
-        name: "fly",
-        args: &["fly", "--frame", "200us", "--fast", "1"],
-        life: Duration::from_millis(500),
-    },
-    Kind {
-        name: "short-period",
-        args: &["short-period", "pitch"],
-        life: Duration::from_millis(1500),
-    },
-    Kind { name: "circle", args: &["sampling", "circle"], life: Duration::from_millis(500) },
-    Kind { name: "stiff", args: &["sampling", "loop"], life: Duration::from_millis(300) },
+const KINDS: [(&str, Duration); 4] = [
+    ("fly --frame 200us --fast 1", Duration::from_millis(500)),
+    ("short-period pitch", Duration::from_millis(1500)),
+    ("sampling circle", Duration::from_millis(500)),
+    (STIFF, Duration::from_millis(300)),
 ];
+/// Takes a study.
+const STIFF: &str = "sampling loop";
 
 /// xorshift64*: kills need no better chance than this, and repeat from their seed.
 struct Chance(u64);
@@ -84,12 +72,11 @@ fn asked(variable: &str, default: u64) -> u64 {
     text.map_or(default, |t| t.parse().unwrap())
 }
 
-fn start(bench: &BenchTop, kind: &Kind) -> Child {
-    let mut command = bench.command(DIGITAL, kind.args);
-    if kind.name == "stiff" {
-        let study = bench.stiff_patch().with_file_name("study.toml");
-        std::fs::write(&study, STIFF_STUDY).unwrap();
-        command.arg(study);
+fn start(bench: &BenchTop, kind: &str) -> Child {
+    let mut command = bench.command(DIGITAL, &kind.split(' ').collect::<Vec<_>>());
+    if kind == STIFF {
+        bench.stiff_patch();
+        command.arg(bench.file("study.toml", STIFF_STUDY));
     }
     command.arg("--out").arg(bench.runs()).spawn().unwrap()
 }
@@ -171,11 +158,11 @@ fn swept(bench: &BenchTop, prefixes: &BTreeSet<String>, told: &str) {
 }
 
 /// One kill of a side at a random moment.
-fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
+fn kill_once(bench: &BenchTop, (kind, life): (&str, Duration), chance: &mut Chance) {
     let kill_analog = chance.below(2) == 0;
-    let after = Duration::from_micros(chance.below(kind.life.as_micros() as u64));
+    let after = Duration::from_micros(chance.below(life.as_micros() as u64));
     let victim = if kill_analog { "analog" } else { "digital" };
-    let told = format!("{}, {victim} side killed after {after:?}", kind.name);
+    let told = format!("{kind}, {victim} side killed after {after:?}");
     let mut child = start(bench, kind);
     std::thread::sleep(after);
     let analog = children(child.id()).into_iter().find(|pid| argv0(*pid) == "analog-proc");
@@ -186,16 +173,16 @@ fn kill_once(bench: &BenchTop, kind: &Kind, chance: &mut Chance) {
     if kill_analog {
         // It may not have come yet, or have gone: then the digital side ends by itself.
         let hit = analog.inspect(|pid| signal(*pid, Signal::KILL));
-        if hit.is_none() && kind.name == "stiff" {
+        if hit.is_none() && kind == STIFF {
             signal(child.id(), Signal::TERM);
         }
         let patience = if hit.is_some() { limit } else { Duration::from_secs(30) };
-        let patience = if kind.name == "stiff" { limit } else { patience };
+        let patience = if kind == STIFF { limit } else { patience };
         let (output, _) = wait_within_or(child, patience, &told);
         let code = output.status.code();
         // Killed after its last word it harms nobody.
         let fine = match hit {
-            Some(_) if kind.name == "stiff" => code == Some(PARTNER_FAILED),
+            Some(_) if kind == STIFF => code == Some(PARTNER_FAILED),
             Some(_) => [Some(PARTNER_FAILED), Some(0)].contains(&code),
             None => [Some(0), Some(130)].contains(&code),
         };
@@ -243,7 +230,7 @@ fn random_kills(count: u64) {
     let mut chance = Chance(asked("KILLS_SEED", 0x0DDB_1A5E));
     let bench = BenchTop::alone();
     for n in 0..count {
-        kill_once(&bench, &KINDS[(n % 4) as usize], &mut chance);
+        kill_once(&bench, KINDS[(n % 4) as usize], &mut chance);
         let _ = std::fs::remove_dir_all(bench.runs());
     }
     bench.assert_clean();
@@ -261,24 +248,8 @@ fn many_random_kills_of_either_side() {
 }
 
 /// System calls by which a side makes, uses and leaves its session.
-const CALLS: [&str; 16] = [
-    "openat",
-    "ftruncate",
-    "fchmod",
-    "mmap",
-    "munmap",
-    "flock",
-    "unlink",
-    "rmdir",
-    "mkdir",
-    "close",
-    "write",
-    "fstat",
-    "poll",
-    "futex",
-    "clone3",
-    "getdents64",
-];
+const CALLS: &str = "openat,ftruncate,fchmod,mmap,munmap,flock,unlink,rmdir,mkdir,close,write,fstat,\
+    poll,futex,clone3,getdents64";
 
 fn strace() -> Option<()> {
     let there = Command::new("strace").arg("--version").output().is_ok();
@@ -301,14 +272,10 @@ fn traced(
 ) -> Command {
     let mut command = bench.command("strace", &["-qq", "-o"]);
     command.arg(log);
-    match inject {
-        Some((call, nth)) => {
-            command.args(["-e", &format!("trace={call}")]);
-            command.args(["-e", &format!("inject={call}:signal=KILL:when={nth}")]);
-        }
-        None => {
-            command.args(["-e", &format!("trace={}", CALLS.join(","))]);
-        }
+    let calls = inject.map_or(CALLS, |(call, _)| call);
+    command.args(["-e", &format!("trace={calls}")]);
+    if let Some((call, nth)) = inject {
+        command.args(["-e", &format!("inject={call}:signal=KILL:when={nth}")]);
     }
     command.arg("--").arg(of.0).args(of.1);
     command
@@ -319,14 +286,9 @@ fn counted(bench: &BenchTop, digital: bool) -> Vec<(&'static str, u64)> {
     let log = bench.runs().with_extension("strace");
     flight_under_strace(bench, &log, None, digital, "counting");
     let text = std::fs::read_to_string(&log).unwrap();
-    CALLS
-        .into_iter()
-        .map(|call| {
-            let made = text.lines().filter(|l| l.starts_with(&format!("{call}(")));
-            (call, made.count() as u64)
-        })
-        .filter(|(_, count)| *count > 0)
-        .collect()
+    let times = |call: &str| text.lines().filter(|l| l.starts_with(&format!("{call}("))).count();
+    let made = CALLS.split(',').map(|call| (call, times(call) as u64));
+    made.filter(|(_, count)| *count > 0).collect()
 }
 
 /// A flight of which one side is traced, and perhaps killed.

@@ -18,6 +18,7 @@ mod long_period;
 mod loop_study;
 mod partition;
 mod replay;
+mod requests;
 mod sampling;
 mod sessions;
 mod surroundings;

@@ -8,6 +8,7 @@ use digital_proc::{
 use interface::{Tick, frame::Samples};
 use vehicle::{
     Vehicle,
+    failure_file::FailureFile,
     flight_summary::FlightSample,
     reference::{self, FlightCase, StagePitch},
 };
@@ -16,9 +17,15 @@ use vehicle::{
 const EVERY: Tick = Tick(400_000_000);
 
 /// Flies on both sides of a memory link; samples at the common instants.
-fn machine(vehicle: &Vehicle, step: Tick, fast: u64, alpha: AlphaPath) -> Vec<FlightSample> {
+fn machine(
+    vehicle: &Vehicle,
+    case: &FlightCase,
+    step: Tick,
+    fast: u64,
+    alpha: AlphaPath,
+) -> Vec<FlightSample> {
     let plan = FlightPlan {
-        case: FlightCase::undisturbed(),
+        case: case.clone(),
         step,
         slow: Rate::every(fast).unwrap(),
         latency: Tick::ZERO,
@@ -64,32 +71,35 @@ fn worst(a: &[FlightSample], b: &[FlightSample], of: impl Fn(&FlightSample) -> f
 /// formulation of the same partition are one model: they differ only by their
 /// integration errors. The reference's RK4 at 0.5 ms leaves about
 /// (0.05 rad)^4 / 120 a step of its fastest part, 5e-8 relative, and corners of
-/// limiters inside its steps; the patch runs at rtol 1e-7.
+/// limiters inside its steps; the patch runs at rtol 1e-7. The design cases of all modes bring
+/// every limit, dead zone and plane into play.
 #[test]
 fn the_patch_is_the_second_formulation_of_the_partition() {
     let vehicle = Vehicle::shipped().unwrap();
-    let machine = machine(&vehicle, Tick(100_000_000), 1, AlphaPath::Held);
-    let reference = at_common_instants(|keep| {
-        reference::fly_partitioned(
-            &vehicle,
-            &FlightCase::undisturbed(),
-            2000,
-            200,
-            StagePitch::Held,
-            keep,
-        )
-        .unwrap();
-    });
-    for (name, limit, of) in [
-        ("pitch, rad", 1e-5, (|s: &FlightSample| s.angle_rad[0]) as fn(&FlightSample) -> f64),
-        ("incidence, rad", 1e-5, |s| s.incidence_rad),
-        ("speed, m/s", 1e-3, |s| s.trajectory.speed_mps),
-        ("altitude, m", 0.05, |s| s.trajectory.altitude_m),
-        ("roll, rad", 1e-5, |s| s.angle_rad[2]),
-        ("injection force, N", 5.0, |s| s.tvc_n[0]),
-    ] {
-        let (difference, time_s) = worst(&machine, &reference, of);
-        assert!(difference < limit, "{name}: {difference:e} at {time_s} s, limit {limit:e}");
+    let design =
+        FailureFile::shipped().modes.iter().map(|m| FlightCase::design(&vehicle, m).unwrap());
+    for case in std::iter::once(FlightCase::undisturbed()).chain(design) {
+        let machine = machine(&vehicle, &case, Tick(100_000_000), 1, AlphaPath::Held);
+        let reference = at_common_instants(|keep| {
+            let held = StagePitch::Held;
+            reference::fly_partitioned(&vehicle, &case, 2000, 200, held, keep).unwrap();
+        });
+        for (name, limit, of) in [
+            ("pitch, rad", 1e-5, (|s: &FlightSample| s.angle_rad[0]) as fn(&FlightSample) -> f64),
+            ("incidence, rad", 1e-5, |s| s.incidence_rad),
+            ("speed, m/s", 1e-3, |s| s.trajectory.speed_mps),
+            ("altitude, m", 0.05, |s| s.trajectory.altitude_m),
+            ("yaw, rad", 1e-5, |s| s.angle_rad[1]),
+            ("roll, rad", 1e-5, |s| s.angle_rad[2]),
+            ("tip 2, rad", 1e-4, |s| s.tip_rad[1]),
+            ("tip 4, rad", 1e-4, |s| s.tip_rad[2]),
+            ("injection force, N", 5.0, |s| s.tvc_n[0]),
+            ("injection force in yaw, N", 5.0, |s| s.tvc_n[1]),
+        ] {
+            let (difference, time_s) = worst(&machine, &reference, of);
+            let mode = &case.script.name;
+            assert!(difference < limit, "{mode}: {name}: {difference:e} at {time_s} s");
+        }
     }
 }
 
@@ -101,7 +111,13 @@ fn the_partition_error_is_first_order_in_the_frame() {
         reference::fly(&vehicle, &FlightCase::undisturbed(), 2000, keep).unwrap();
     });
     let error = |step_ms: i64| {
-        let flown = machine(&vehicle, Tick(step_ms * 1_000_000), 5, AlphaPath::Redundant);
+        let flown = machine(
+            &vehicle,
+            &FlightCase::undisturbed(),
+            Tick(step_ms * 1_000_000),
+            5,
+            AlphaPath::Redundant,
+        );
         worst(&flown, &truth, |s| s.trajectory.path_angle_rad).0
     };
     let (coarse, middle, fine) = (error(100), error(50), error(25));

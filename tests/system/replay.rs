@@ -4,7 +4,8 @@
 //! and the replay is the same all the same.
 
 use crate::bench_top::{
-    BenchTop, Busy, DIGITAL, NOTICE, expect, partner_of, runs, signal, stderr, until, wait_within,
+    BenchTop, Busy, DIGITAL, NOTICE, assert_self_contained, expect, partner_of, runs, signal,
+    stderr, until, wait_within,
 };
 use desk::run_dir::{RunDirectory, Trace, TraceWriter};
 use interface::Tick;
@@ -92,6 +93,20 @@ fn an_overloaded_flight_replays_to_the_last_bit() {
     bench.assert_clean();
 }
 
+/// The record holds all that a flight follows from, each set to what is not its default.
+#[test]
+fn a_flight_of_many_settings_replays_from_its_record_alone() {
+    let bench = BenchTop::new();
+    let settings = "--mode roll-lost --failure-at 20000000001ns --profile ad4 --alpha held \
+        --wind ensemble --seed 18446744073709551615 --misalign-pitch 0.30000000000000004 \
+        --misalign-yaw -0.3333333333333333 --frame 50ms --fast 2 --latency 1234567ns \
+        --skew 10001ns --until 22s";
+    let settings: Vec<&str> = settings.split_whitespace().collect();
+    let (run, _) = bench.made(&mut bench.fly(&settings));
+    assert_replays(&bench, &run, &[]);
+    bench.assert_clean();
+}
+
 /// Writes a run's transfers anew, one of them later.
 fn delay_one_transfer(run: &Path) -> u64 {
     let path = run.join("transfers.arrow");
@@ -157,7 +172,7 @@ fn runs_are_listed_exported_and_plotted() {
     assert!(transfers.starts_with("tick_ns,time_s,frame\n"), "{transfers}");
 
     expect(&mut on_runs(&bench, &["plot", &name]), 0);
-    let page = crate::flight::assert_self_contained(&run.join("plots.html"));
+    let page = assert_self_contained(&run.join("plots.html"));
     assert!(page.contains("<svg") && page.contains("dynamic_pressure_pa"));
 
     let output = expect(&mut on_runs(&bench, &["export", "lats"]), 2);

@@ -1,4 +1,4 @@
-//! Many sessions side by side, and sessions that are joined by name.
+//! Many sessions side by side, which load every core, and sessions that are joined by name.
 
 use crate::bench_top::{BenchTop, expect, stderr, wait_within};
 use std::time::Duration;
@@ -13,11 +13,7 @@ fn fifty_sessions_at_once_do_not_disturb_each_other() {
         let (output, _) = wait_within(child, Duration::from_secs(120));
         assert!(output.status.success(), "{}", stderr(&output));
     }
-    let traces: Vec<Vec<u8>> = bench
-        .run_directories()
-        .iter()
-        .map(|d| std::fs::read(d.join("trace.arrow")).unwrap())
-        .collect();
+    let traces = bench.traces();
     assert_eq!(traces.len(), 50);
     assert!(traces.iter().all(|t| *t == traces[0]), "the sessions' traces differ");
     bench.assert_clean();

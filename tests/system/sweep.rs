@@ -1,10 +1,10 @@
 //! Iterative operation: many runs by one request, each with the bits of a run alone.
 
-use crate::bench_top::{ANALOG, BenchTop, expect, stderr, with_console};
+use crate::bench_top::{ANALOG, BenchTop, bundle, expect, stderr, with_console};
 use digital_proc::linkage::console::{Console, ConsoleFault, SweepRun};
 use interface::{
     Tick,
-    control::{ChannelKind, Clock, PatchBundle, RunSpec, SweptRun},
+    control::{ChannelKind, Clock, RunSpec, SweptRun},
     frame::{Samples, Updates},
     profile::Profile,
 };
@@ -27,9 +27,7 @@ b = { kind = "adc", in = ["pole"], channel = 1, max = 2.0 }
 const EVERY: Tick = Tick(10_000_000);
 
 fn load(console: &mut Console<'_>) {
-    let bundle =
-        PatchBundle { root: "decay.toml".into(), files: vec![("decay.toml".into(), DECAY.into())] };
-    console.load(bundle, Vec::new(), Profile::ideal()).unwrap();
+    console.load(bundle(DECAY), Vec::new(), Profile::ideal()).unwrap();
 }
 
 /// The `i`-th run: rates from 0.5/s on, from different starts, of different length.

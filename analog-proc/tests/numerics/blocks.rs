@@ -84,23 +84,6 @@ fn digital_function_follows_its_ordinates() {
 }
 
 #[test]
-fn track_store_keeps_what_it_had() {
-    let mut bench = Bench::new(
-        r#"
-        t = { kind = "time" }
-        late = { kind = "comparator", in = ["t"], threshold = 1.0 }
-        track = { kind = "not", in = ["late"] }
-        y = { kind = "track-store", in = ["2 * t"], track = "track", ic = 9.0 }
-    "#,
-    );
-    bench.run(0.75);
-    assert_eq!(bench.net("y"), 1.5);
-    bench.run(2.0);
-    // The instant is located to two units in the last place of 1.
-    close(bench.net("y"), 2.0, 4.0 * f64::EPSILON, "stored");
-}
-
-#[test]
 fn switch_and_flip_flop_act_at_their_instants() {
     let mut bench = Bench::new(
         r#"

@@ -45,35 +45,6 @@ fn accumulating_bounces_end_in_a_fault_that_names_the_contact() {
 }
 
 #[test]
-fn relay_switches_at_the_analytic_times() {
-    // Triangle between the points −1 and 1 with slopes ∓2: every 1 s. An exponential one
-    // beside it: dy/dt = s − y, s = ±2 between ∓1: period 2·ln 3.
-    let mut bench = Bench::new(
-        r#"
-        x = { kind = "integrator", in = ["r"] }
-        r = { kind = "relay", in = ["x"], points = [-1.0, 1.0], outputs = [2.0, -2.0] }
-        on = { kind = "comparator", in = ["-1 * r"] }
-        line = { kind = "interrupt", in = ["on"], line = 1 }
-        y = { kind = "integrator", in = ["s", "-1 * y"] }
-        s = { kind = "relay", in = ["y"], points = [-1.0, 1.0], outputs = [2.0, -2.0] }
-        up = { kind = "comparator", in = ["s"] }
-        other = { kind = "interrupt", in = ["up"], line = 2 }
-    "#,
-    );
-    let all = bench.run(20.2).all_edges();
-    let of = |line: u32| all.iter().filter(move |e| e.line == line).map(|e| e.t_s);
-    assert_eq!(of(1).count(), 20);
-    for (n, t_s) in of(1).enumerate() {
-        close(t_s, 0.5 + n as f64, 1e-8, "triangle");
-    }
-    assert!(of(2).count() > 15);
-    for (n, t_s) in of(2).enumerate() {
-        // From 0 to 1 under s = 2: ln 2; then ln 3 each way.
-        close(t_s, 2.0_f64.ln() + n as f64 * 3.0_f64.ln(), 1e-8, "exponential");
-    }
-}
-
-#[test]
 fn mass_on_a_belt_sticks_and_slips() {
     // Spring pulled at speed 1: sticks until k·t = breakaway, then slips.
     let mut bench = Bench::new(

@@ -5,27 +5,22 @@ use engine::element::dac::DacPiece;
 
 #[test]
 fn runs_repeat_to_the_bit_and_recording_changes_nothing() {
-    let run = |every_s: Option<f64>| {
-        let mut bench = Bench::new(
-            r#"
-            x = { kind = "integrator", in = ["10 * y", "-10 * x"], ic = 1.0 }
-            y = { kind = "integrator", in = ["28 * x", "-1 * y", "-1 * xz"], ic = 1.0 }
-            z = { kind = "integrator", in = ["xy", "-2.6666666666666665 * z"], ic = 1.0 }
-            xz = { kind = "multiplier", in = ["x", "z"] }
-            xy = { kind = "multiplier", in = ["x", "y"] }
-            sign = { kind = "comparator", in = ["x"] }
-        "#,
-        );
-        match every_s {
-            Some(every_s) => drop(bench.record(&["x"], 12.0, every_s)),
-            None => drop(bench.run(12.0)),
-        }
-        ["x", "y", "z"].map(|net| bench.net(net).to_bits())
-    };
-    let first = run(None);
-    assert_eq!(first, run(None));
-    assert_eq!(first, run(Some(0.1)));
-    assert_eq!(first, run(Some(0.000_37)));
+    for patch in ["lorenz.toml", "bouncing-ball.toml"] {
+        let run = |every_s: Option<f64>| {
+            let mut bench = Bench::shipped(patch);
+            let names: Vec<String> =
+                bench.ordered.netlist.nets.iter().map(|net| net.name.clone()).collect();
+            match every_s {
+                Some(every_s) => drop(bench.record(&[&*names[0]], 3.5, every_s)),
+                None => drop(bench.run(3.5)),
+            }
+            names.iter().map(|net| bench.net(net).to_bits()).collect::<Vec<_>>()
+        };
+        let first = run(None);
+        assert_eq!(first, run(None), "{patch}");
+        assert_eq!(first, run(Some(0.1)), "{patch}");
+        assert_eq!(first, run(Some(0.000_37)), "{patch}");
+    }
 }
 
 #[test]

@@ -19,8 +19,6 @@ mod loop_law;
 pub mod loop_study;
 mod modal_fit;
 pub mod noise;
-#[cfg(test)]
-mod plain_machine;
 mod plan;
 pub mod root;
 pub mod skew;
@@ -74,14 +72,6 @@ pub trait Experiment: clap::Args {
 
     /// Runs all cases and fills the outcome.
     fn measure(&self, bench: &mut Bench<'_, '_>, outcome: &mut Outcome) -> Result<(), Failure>;
-}
-
-/// An experiment as it is set where nothing is said.
-#[cfg(test)]
-fn defaults<E: Experiment>() -> E {
-    let command = E::augment_args(clap::Command::new(E::NAME).no_binary_name(true));
-    let nothing: [&str; 0] = [];
-    E::from_arg_matches(&command.get_matches_from(nothing)).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Points of a curve of theory.

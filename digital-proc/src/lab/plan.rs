@@ -46,7 +46,7 @@ pub(super) fn lock_step(frame: Tick, latency: Tick, skew: Tick, stop: Tick) -> R
     RunSpec { frame, latency, skew, stop, from_ic: true, clock: Clock::LockStep }
 }
 
-/// What runs plans: the [`Bench`](super::bench::Bench), or a plain plant in tests.
+/// What runs plans: the [`Bench`](super::bench::Bench).
 pub trait Machine {
     /// Runs a plan from its initial conditions. `law` is called once a frame; the last one,
     /// whose updates would never take effect, is left out. Gives the nets that are read.

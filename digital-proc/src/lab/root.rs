@@ -173,23 +173,3 @@ impl Experiment for Root {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::lab::{defaults, plain_machine::PlainMachine};
-
-    #[test]
-    fn root_of_a_run_is_the_sampled_data_eigenvalue() {
-        for case in defaults::<Root>().cases() {
-            let mut machine = PlainMachine::second_order(case.omega0_rad_s, case.zeta);
-            let row = case.run(&mut machine).unwrap();
-            // The claim is 1e-4; floating-point records of decaying modes lose at most half the digits.
-            assert!(
-                (damping_ratio(row.measured) - damping_ratio(row.exact)).abs() < 1e-6,
-                "{row:?}"
-            );
-            assert!((row.measured.modulus() / row.exact.modulus() - 1.0).abs() < 1e-6, "{row:?}");
-        }
-    }
-}

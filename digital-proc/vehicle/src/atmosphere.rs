@@ -65,11 +65,6 @@ pub fn geopotential_altitude_m(altitude_m: f64) -> f64 {
     EARTH_RADIUS_M * altitude_m / (EARTH_RADIUS_M + altitude_m)
 }
 
-/// Geometric altitude of a geopotential one, m: Z = r0·H/(r0 − H), eq. (19).
-pub fn geometric_altitude_m(geopotential_m: f64) -> f64 {
-    EARTH_RADIUS_M * geopotential_m / (EARTH_RADIUS_M - geopotential_m)
-}
-
 /// Temperature and pressure at the base of each layer, chained upwards once.
 static BASES: LazyLock<[(f64, f64); 7]> = LazyLock::new(|| {
     let mut bases = [(SEA_LEVEL_TEMPERATURE_K, SEA_LEVEL_PRESSURE_PA); 7];
@@ -117,7 +112,7 @@ mod tests {
 
     /// Rows of the standard's main table against geometric altitude:
     /// m, K, Pa, kg/m³, m/s, as printed.
-    const PUBLISHED: [(f64, f64, f64, f64, f64); 11] = [
+    const PUBLISHED: [(f64, f64, f64, f64, f64); 12] = [
         (0.0, 288.150, 101_325.0, 1.2250, 340.29),
         (1_000.0, 281.651, 8.9876e4, 1.1117, 336.43),
         (5_000.0, 255.676, 5.4048e4, 7.3643e-1, 320.55),
@@ -129,6 +124,7 @@ mod tests {
         (50_000.0, 270.650, 7.9779e1, 1.0269e-3, 329.80),
         (60_000.0, 247.021, 2.1958e1, 3.0968e-4, 315.07),
         (70_000.0, 219.585, 5.2209, 8.2829e-5, 297.06),
+        (80_000.0, 198.639, 1.0524, 1.8458e-5, 282.54),
     ];
 
     #[test]
@@ -145,25 +141,9 @@ mod tests {
     }
 
     #[test]
-    fn pressure_and_temperature_are_continuous_at_the_layer_bases() {
-        for (base_m, lapse) in LAYERS.into_iter().skip(1) {
-            let z = geometric_altitude_m(base_m);
-            let (low, high) = (air_at(z - 1e-3).unwrap(), air_at(z + 1e-3).unwrap());
-            // 2 mm of altitude: dp/p = 2e-3/scale height (> 5 km) < 5e-7;
-            // dT < 2e-3 · 6.5e-3 K.
-            assert!((low.pressure_pa / high.pressure_pa - 1.0).abs() < 5e-7, "{base_m} {lapse}");
-            assert!((low.temperature_k - high.temperature_k).abs() < 2e-5, "{base_m}");
-        }
-    }
-
-    #[test]
-    fn geopotential_and_geometric_altitude_are_inverse() {
+    fn the_geopotential_altitude_is_the_published_one() {
         // The standard's own pair, to its printed metre.
         assert!((geopotential_altitude_m(86_000.0) - 84_852.0).abs() <= 0.5);
-        for z in [-5_000.0, 0.0, 11_019.0, 86_000.0] {
-            // Three roundings on numbers below 1e5 m.
-            assert!((geometric_altitude_m(geopotential_altitude_m(z)) - z).abs() < 1e-9);
-        }
     }
 
     #[test]

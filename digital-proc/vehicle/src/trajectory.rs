@@ -207,40 +207,6 @@ pub fn advance(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wind::WindDirection;
-
-    #[test]
-    fn the_first_acceleration_is_thrust_over_weight() {
-        let vehicle = Vehicle::shipped().unwrap();
-        let state = TrajectoryState::at_lift_off(&vehicle);
-        let (flow, airframe) = surroundings(&vehicle, &Wind::Calm, 0.0, &state).unwrap();
-        let slopes =
-            derivative(&vehicle, 0.0, &state, (&flow, &airframe), std::f64::consts::FRAC_PI_2, 0.0)
-                .unwrap();
-        let gravity = 3.986004418e14 / (6_371_010.0f64).powi(2);
-        // cos a and sin γ miss 1 by (1e-5)²/2; drag at 1 m/s is under 0.3 N of
-        // 17.6 t, 1.5e-5 m/s².
-        let expected = airframe.thrust_n / 17_610.0 - gravity;
-        assert!((slopes[0] - expected).abs() < 2e-5, "{} {expected}", slopes[0]);
-        assert!((slopes[2] - 1.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_headwind_raises_incidence_and_airspeed() {
-        let vehicle = Vehicle::shipped().unwrap();
-        let wind = Wind::synthetic(&vehicle, WindDirection::Head).unwrap();
-        let state = TrajectoryState {
-            speed_mps: 600.0,
-            path_angle_rad: 1.2,
-            altitude_m: 11_000.0,
-            range_angle_rad: 0.0,
-        };
-        let (calm, head) = (flow_at(&Wind::Calm, &state), flow_at(&wind, &state));
-        assert_eq!(calm.airspeed_mps, 600.0);
-        assert!((calm.air_path_angle_rad - 1.2).abs() < 1e-15);
-        assert!(head.air_path_angle_rad < calm.air_path_angle_rad);
-        assert!(head.airspeed_mps > calm.airspeed_mps);
-    }
 
     #[test]
     fn a_ballistic_arc_keeps_its_energy_and_angular_momentum() {

@@ -319,11 +319,4 @@ mod tests {
             assert!(matches!(told, Some(Reply::Refused(text)) if text.contains(word)));
         }
     }
-
-    #[test]
-    fn a_stranger_that_does_not_greet_is_refused() {
-        let (mut analog, mut digital) = strangers();
-        digital.wire.put_message(&Request::StaticCheck).unwrap();
-        assert!(matches!(analog.await_greeting(), Err(LinkFault::Protocol { .. })));
-    }
 }

@@ -269,81 +269,34 @@ impl Experiment for Loop {
 
 #[cfg(test)]
 mod tests {
-    use super::{text::parse, *};
-    use crate::lab::{
-        bench::Saturated,
-        plain_machine::PlainMachine,
-        plan::{Machine, RunPlan},
-        theory::{feedback_loop::FeedbackLoop, hold::Hold},
-    };
+    use super::text::parse;
 
-    const GOOD: &str = r#"
-title = "Servo"
-patch = "root.toml"
-stop = "10s"
-measure = "x_adc"
-[params]
-wn = 3.0
-[sweep]
-frame = ["50ms", "100ms"]
-latency = [0.0, 1.0]
-bits = [0]
-[[law]]
-kind = "difference-equation"
-input = "x_adc"
-output = "u"
-numerator = [13.5, -4.5]
-denominator = [1.0]
-"#;
-
-    fn channels() -> Vec<Channel> {
-        let channel =
-            |kind, name: &str| Channel { kind, name: name.to_owned(), number: 0, full_scale: None };
-        vec![channel(ChannelKind::Adc, "x_adc"), channel(ChannelKind::Dac, "u")]
-    }
-
-    /// A study that writes half-frame prediction as a difference equation finds the roots of theory.
-    #[test]
-    fn a_study_finds_the_roots_of_its_loop() {
-        let study = parse("servo.toml", GOOD).unwrap();
-        assert_eq!(study.cases.len(), 4);
-        for case in &study.cases {
-            let (t, late) = (case.frame.secs(), case.latency.secs());
-            let plan = RunPlan::new("", t, late, study.stop.secs()).unwrap();
-            let mut law = study.law(&channels()).unwrap();
-            let mut machine = PlainMachine::second_order(3.0, 0.3);
-            machine.run(&plan, &mut |samples, updates| law.step(samples, updates)).unwrap();
-            let row = study.row(case, law.record(), &Saturated::default()).unwrap();
-            let theory = FeedbackLoop::second_order((3.0, 0.3), 0.5, Hold::ZeroOrder, t, late);
-            let exact = damping_ratio(theory.exact_root().unwrap());
-            let zeta = damping_ratio(row.root.unwrap());
-            // As in the root experiment; the first frames, in which the equation's memory fills from
-            // zero, add modes that the pencil tells apart.
-            assert!((zeta - exact).abs() < 1e-4, "{row:?} {exact}");
-        }
-    }
+    const SHIPPED: &str = include_str!("../../../../patch-files/studies/servo-loop.toml");
 
     #[test]
     fn faults_name_file_and_line() {
-        let line_of = |text: &str, part: &str| {
-            let faults = parse("servo.toml", text).unwrap_err();
-            let found = faults.0.iter().find(|f| f.fault.contains(part));
-            let (line, _) = found.unwrap_or_else(|| panic!("{faults}")).place.unwrap();
-            line
-        };
-        assert_eq!(line_of(&GOOD.replace("\"50ms\"", "\"50\""), "duration"), 9);
-        assert_eq!(line_of(&GOOD.replace("[0.0, 1.0]", "[0.0, 1.5]"), "1.5"), 10);
-        assert_eq!(line_of(&GOOD.replace("bits = [0]", "bits = [99]"), "99"), 11);
-        let unknown = GOOD.replace("difference-equation", "diference-equation");
-        assert_eq!(line_of(&unknown, "`law.kind` cannot be"), 13);
-        assert_eq!(line_of(&GOOD.replace("[1.0]\n", "[0.0]\n"), "denominator"), 17);
-        assert_eq!(line_of(&GOOD.replace("output = \"u\"\n", ""), "`output`"), 12);
-        assert_eq!(line_of(&GOOD.replace("stop =", "stopp ="), "stopp"), 4);
-        assert_eq!(line_of("patch = ", "string"), 1);
-        let many = GOOD.replace("\"50ms\"", "\"50\"").replace("[0.0, 1.0]", "[2.0]");
+        let measure = "measure = \"x_adc\"";
+        let window = |keys: &str| format!("{measure}\n{keys}");
+        for (good, bad, place, word) in [
+            ("\"50ms\"", "\"50\"", "15:18", "duration"),
+            ("[0.0, 1.0]", "[0.0, 1.5]", "16:", "1.5"),
+            ("latency =", "bits = [99]\nlatency =", "16:", "99"),
+            ("difference-equation", "diference-equation", "19:", "`law.kind` cannot be"),
+            ("denominator = [1.0]", "denominator = [0.0]", "23:", "denominator"),
+            ("output = \"u\"\n", "", "18:", "`output`"),
+            ("stop =", "stopp =", "7:", "stopp"),
+            ("title = ", "title = \n", "5:", "string"),
+            (measure, &window("from = \"11s\""), "9:8", "from 11s until 10s"),
+            (measure, &window("from = \"2s\"\nuntil = \"1s\""), "9:8", "from 2s until 1s"),
+            (measure, &window("until = \"12s\""), "9:9", "until 12s"),
+            (measure, &window("from = 0.5"), "9:8", "a time in quotes"),
+        ] {
+            let told = parse("servo.toml", &SHIPPED.replace(good, bad)).unwrap_err().to_string();
+            let mut lines = told.lines();
+            let at = format!("servo.toml:{place}");
+            assert!(lines.any(|l| l.starts_with(&at) && l.contains(word)), "{bad}: {told}");
+        }
+        let many = SHIPPED.replace("\"50ms\"", "\"50\"").replace("[0.0, 1.0]", "[2.0]");
         assert_eq!(parse("servo.toml", &many).unwrap_err().0.len(), 2);
-        let text =
-            parse("servo.toml", &GOOD.replace("\"50ms\"", "\"50\"")).unwrap_err().to_string();
-        assert!(text.starts_with("servo.toml:9:10: "), "{text}");
     }
 }

@@ -271,30 +271,6 @@ mod tests {
         }
     }
 
-    /// The claim of the laboratory: slow 0.1 s, fast 0.01 s, one frame late, ω = 6 rad/s.
-    #[test]
-    fn conventional_is_lost_where_redundant_holds() {
-        assert!(conventional(6.0, 0.1).spectral_radius().unwrap() > 1.0);
-        for delivery in [Delivery::Prompt, Delivery::LateMatched] {
-            for correction in [Correction::Spread, Correction::Pulse] {
-                let slow = (delivery, correction);
-                let radius = |gain| redundant(6.0, 0.01, gain, slow).spectral_radius().unwrap();
-                assert!(radius(0.2) < 1.0, "{delivery:?} {correction:?}");
-                assert!(radius(0.5) > 1.0, "{delivery:?} {correction:?}");
-            }
-        }
-    }
-
-    /// β with yaw rate is the same loop: only the sign of the rate turns.
-    #[test]
-    fn sideslip_has_the_same_roots() {
-        let a = redundant(4.0, 0.01, 0.2, (Delivery::Prompt, Correction::Spread));
-        let mut b = a;
-        b.rotation.direction = -1.0;
-        let (a, b) = (a.exact_root().unwrap(), b.exact_root().unwrap());
-        assert!((a - b).norm() < 1e-10);
-    }
-
     /// Ratio of the root shifts at T_s = 0.05, T_f = 0.005, K = 0.2 against
     /// 0.093, 0.128, 0.146 of an independent prototype whose slow rule is not on record.
     #[test]

@@ -122,37 +122,4 @@ mod tests {
             assert!((h.arg() + x.powi(3) / 4.0).abs() < p);
         }
     }
-
-    /// The transfer functions against the defining sums: a held complex exponential projected
-    /// on the input over one frame, `H = (1/T)∫ y(t) e^{−jωt} dt`, by Simpson's rule.
-    #[test]
-    fn transfer_is_the_projection_of_the_held_wave() {
-        let (frame, omega) = (0.1, 7.0);
-        let wave = |t: f64| C64::from_polar(1.0, omega * t);
-        for hold in Hold::ALL {
-            let (now, last) = (wave(0.0), wave(-frame));
-            let y = |t: f64| match hold {
-                Hold::ZeroOrder => now,
-                Hold::Extrapolating => now + (now - last) * (t / frame),
-                Hold::Interpolating => last + (now - last) * (t / frame),
-            };
-            let n = 400;
-            let h = frame / f64::from(n);
-            let sum: C64 = (0..=n)
-                .map(|i| {
-                    let t = f64::from(i) * h;
-                    let weight = match i {
-                        0 => 1.0,
-                        i if i == n => 1.0,
-                        i if i % 2 == 1 => 4.0,
-                        _ => 2.0,
-                    };
-                    y(t) * wave(-t) * weight
-                })
-                .sum();
-            let projected = sum * (h / 3.0 / frame);
-            // Simpson: (ωh)⁴ x²/180 ≈ 1e-13.
-            assert!((projected - hold.transfer(omega, frame)).norm() < 1e-11, "{hold:?}");
-        }
-    }
 }

@@ -288,12 +288,12 @@ impl LoopQuality {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use crate::study::short_period::point::tests::numbered;
+    use crate::study::short_period::point::tests::frozen;
 
     fn plane() -> Plane {
-        Plane::new(&numbered(), &Disturbance::NONE)
+        Plane::new(&frozen(32.5), &Disturbance::NONE)
     }
 
     #[test]
@@ -318,9 +318,9 @@ mod tests {
         assert_eq!(gain_margin_db(&reversed), 0.0);
     }
 
-    #[test]
-    fn a_missing_measure_costs_more_than_any_kept_allowance() {
-        let kept = LoopQuality {
+    /// Every measure at its allowance.
+    pub fn kept() -> LoopQuality {
+        LoopQuality {
             overshoot: Some(0.2),
             settling_s: Some(3.0),
             residual: Some(0.03),
@@ -331,7 +331,12 @@ mod tests {
             gain_margin_db: 6.0,
             tvc_use: 0.25,
             tip_saturation: 0.0,
-        };
+        }
+    }
+
+    #[test]
+    fn a_missing_measure_costs_more_than_any_kept_allowance() {
+        let kept = kept();
         // Six measures, each at its allowance.
         assert_eq!(kept.cost(), 6.0);
         assert!(kept.met());

@@ -101,7 +101,7 @@ fn commented(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::gain_design::criteria::LoopQuality;
+    use crate::study::gain_design::criteria::{LoopQuality, tests::kept};
     use vehicle::Vehicle;
 
     fn trial(switchings: usize, accepted: bool) -> Trial {
@@ -114,18 +114,7 @@ mod tests {
         PointQuality {
             point: "max-q".to_owned(),
             time_s: 32.5,
-            quality: LoopQuality {
-                overshoot,
-                residual: Some(residual),
-                settling_s: Some(1.0),
-                error: Some(0.1),
-                bending_decay: Some(0.1),
-                attitude_damping: None,
-                bending_damping: 0.02,
-                gain_margin_db: 6.0,
-                tvc_use: 0.1,
-                tip_saturation: 0.0,
-            },
+            quality: LoopQuality { overshoot, residual: Some(residual), ..kept() },
         }
     }
 

@@ -185,20 +185,8 @@ pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
 mod tests {
     use super::*;
     use crate::study::short_period::coefficients::{Disturbance, Settings};
-    use crate::study::short_period::point::FrozenPoint;
+    use crate::study::short_period::point::{FrozenPoint, tests::frozen};
     use crate::study::short_period::reference::{self, Grid};
-    use vehicle::Vehicle;
-    use vehicle::slice;
-
-    fn frozen(times_s: &[f64]) -> Vec<FrozenPoint> {
-        let vehicle = Vehicle::shipped().unwrap();
-        let wanted: Vec<(&str, f64)> = times_s.iter().map(|&t| ("", t)).collect();
-        slice::points(&vehicle, &wanted)
-            .unwrap()
-            .iter()
-            .map(|s| FrozenPoint::new(&vehicle, s, &s.settings.gains))
-            .collect()
-    }
 
     fn plane(point: &FrozenPoint) -> Plane {
         Plane::new(point, &Disturbance::NONE)
@@ -207,7 +195,7 @@ mod tests {
     /// Figures of an independent prototype, each to half a unit of its last digit.
     #[test]
     fn thrust_vector_roots_are_those_of_the_independent_prototype() {
-        let points = frozen(&[2.0, 20.0, 32.5, 40.0]);
+        let points = [2.0, 20.0, 32.5, 40.0].map(frozen);
         for (point, frequency, damping) in [(&points[1], 2.91, 0.084), (&points[2], 3.15, 0.085)] {
             let root = plane_roots(&plane(point), ChannelGains::TVC_ONLY).attitude.unwrap();
             assert!((root.frequency_radps() - frequency).abs() <= 0.005, "{root:?}");
@@ -235,7 +223,7 @@ mod tests {
     #[test]
     fn reference_and_matrix_exponential_agree_in_the_linear_range() {
         let grid = Grid { samples: 300, sample_s: 0.02, steps: 20 };
-        let points = frozen(&[7.5, 20.0]);
+        let points = [7.5, 20.0].map(frozen);
         let cases = [
             // Thrust vector alone, no dead zone: 4.5 kN/deg · 2° stays below 15 kN.
             (&points[0], ChannelGains::TVC_ONLY, 2.0_f64.to_radians()),
@@ -258,7 +246,7 @@ mod tests {
 
     #[test]
     fn a_non_finite_matrix_has_no_roots() {
-        let mut plane = plane(&frozen(&[20.0])[0]);
+        let mut plane = plane(&frozen(20.0));
         plane.aero_moment = f64::NAN;
         assert!(roots(&plane_matrix(&plane, ChannelGains::BOTH)).is_empty());
         assert_eq!(plane_roots(&plane, ChannelGains::BOTH).attitude, None);

@@ -244,22 +244,6 @@ mod tests {
     }
 
     #[test]
-    fn a_user_adds_a_point_and_a_condition() {
-        let text = format!(
-            "{SHIPPED_TEXT}\n[[point]]\nname = \"mach-two\"\nat = {{ mach = 2.0 }}\n\
-             [[condition]]\nname = \"weak-motor\"\npoints = [\"mach-two\"]\nloops = [\"pitch\"]\n\
-             change = [{{ quantity = \"thrust\", times = 0.9 }}, {{ quantity = \"dead-zone\", set = 0.5 }}]\n"
-        );
-        let plan = plan(&text).unwrap();
-        let case = plan.of(ControlLoop::Pitch).last().unwrap();
-        assert_eq!(plan.points[case.point].name, "mach-two");
-        // 0.5 deg in rad, one rounding each way.
-        assert!((case.settings.plane.dead_zone.to_degrees() - 0.5).abs() < 1e-15);
-        assert_eq!(case.frozen.thrust_n, 0.9 * plan.points[case.point].slice.airframe.thrust_n);
-        assert!(plan.of(ControlLoop::YawRoll).all(|c| c.condition != case.condition));
-    }
-
-    #[test]
     fn places_that_the_flight_lacks_are_reported_with_their_lines() {
         let text = "[run]\nduration-s = 1.0\nsample-ms = 10\n\
             [pitch]\nstep-deg = 2.0\nmisalignment = 1.0\ngust = 1.0\n\

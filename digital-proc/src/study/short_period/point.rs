@@ -183,61 +183,19 @@ impl PartialEq for Quantity {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::{FrozenPoint, QUANTITIES};
+    use vehicle::{Vehicle, slice};
 
-    /// The stage near maximum dynamic pressure in round numbers.
-    pub(crate) fn numbered() -> FrozenPoint {
-        FrozenPoint {
-            time_s: 32.5,
-            mach: 2.2,
-            q_pa: 95e3,
-            speed_mps: 655.0,
-            gamma_rad: 1.2,
-            mass_kg: 11_284.0,
-            inertia_kgm2: 388_900.0,
-            roll_inertia_kgm2: 1_771.0,
-            thrust_n: 433e3,
-            axial_force_n: 38e3,
-            normal_force_slope_nprad: 330e3,
-            moment_slope_nmprad: 330e3,
-            pitch_damping_nms: -35e3,
-            tip_force_slope_nprad: 22e3,
-            tip_arm_m: 10.75,
-            tvc_arm_m: 10.65,
-            tip_roll_arm_m: 1.05,
-            roll_damping_nms: -150.0,
-            cant_moment_nm: 130.0,
-            misalignment_moment_nm: 25e3,
-            gust_mps: 12.0,
-            ftc_time_constant_s: 0.05,
-            tip_travel_rad: 0.1745,
-            tip_rate_radps: 1.745,
-            tvc_time_constant_s: 0.1,
-            tvc_limit_n: 15e3,
-            ftc_gain: 7.4,
-            ftc_lead_s: 0.74,
-            tvc_gain_nprad: 6.3e3 * 57.3,
-            tvc_lead_s: 0.15,
-            dead_zone_rad: 0.0236,
-            roll_gain: 5.0,
-            roll_lead_s: 0.25,
-            dedicated_gain_factor: 0.9,
-            dedicated_lead_s: 0.55,
-            bending_frequency_radps: 28.4,
-            bending_damping: 0.01,
-            bending_mass_kg: 2690.0,
-            bending_displacement: 0.9,
-            gyro_slope_pm: -0.03,
-            imu_slope_pm: -0.1,
-            gyro_frequency_radps: 100.0,
-            gyro_damping: 0.7,
-            filter_pole_radps: 30.0,
-        }
+    /// The shipped stage frozen at a time.
+    pub(crate) fn frozen(time_s: f64) -> FrozenPoint {
+        let vehicle = Vehicle::shipped().unwrap();
+        let point = slice::points(&vehicle, &[("", time_s)]).unwrap().remove(0);
+        FrozenPoint::new(&vehicle, &point, &point.settings.gains)
     }
 
     /// A macro line that names the wrong field would alias two quantities.
     #[test]
     fn every_quantity_is_a_field_of_its_own() {
-        let mut point = numbered();
+        let mut point = frozen(32.5);
         for (index, quantity) in QUANTITIES.iter().enumerate() {
             quantity.set(&mut point, 1000.0 + index as f64);
         }

@@ -4,16 +4,9 @@
 use super::*;
 use crate::flight_mode::FlightMode;
 use crate::slice;
-use crate::wind::WindDirection;
 
 /// Rate at which the tests fly, 1/s.
 const RATE: u32 = LEAST_STEPS_PER_SECOND;
-
-fn design_flight(vehicle: &Vehicle, mode: FlightMode, misalignment: f64) -> FlightSummary {
-    let mut case = FlightCase::design(vehicle, mode.script()).unwrap();
-    case.pitch_misalignment = misalignment;
-    fly(vehicle, &case, RATE, |_| {}).unwrap()
-}
 
 #[test]
 fn the_undisturbed_flight_has_the_published_figures() {
@@ -79,74 +72,6 @@ fn the_partition_error_is_first_order_and_halved_by_extrapolation() {
         let left = carried[i] / whole[i];
         assert!((left - 0.5).abs() < 0.1, "{i}: {left}");
     }
-}
-
-#[test]
-fn with_frames_of_one_step_the_partition_tends_to_the_reference() {
-    let vehicle = Vehicle::shipped().unwrap();
-    let case = FlightCase::design(&vehicle, FlightMode::TipsDead.script()).unwrap();
-    let exact = fly(&vehicle, &case, RATE, |_| {}).unwrap();
-    let frame = |steps| {
-        let flight =
-            fly_partitioned(&vehicle, &case, RATE, steps, StagePitch::Held, |_| {}).unwrap();
-        (flight.end.altitude_m - exact.end.altitude_m).abs()
-    };
-    // First order over a factor of 100 in T, order within ±0.2.
-    let order = (frame(100) / frame(1)).log10() / 2.0;
-    assert!((order - 1.0).abs() < 0.2, "{order}");
-}
-
-#[test]
-fn every_failure_keeps_an_acceptable_trajectory_in_the_design_case() {
-    let vehicle = Vehicle::shipped().unwrap();
-    let accept = &vehicle.data().long_period_case;
-    let nominal = fly(&vehicle, &FlightCase::undisturbed(), RATE, |_| {}).unwrap();
-    for mode in FlightMode::ALL {
-        let flight = design_flight(&vehicle, mode, accept.misalign_pitch);
-        let speed = flight.end.speed_mps / nominal.end.speed_mps - 1.0;
-        let angle = flight.end.path_angle_rad - nominal.end.path_angle_rad;
-        let altitude = flight.end.altitude_m / nominal.end.altitude_m - 1.0;
-        let range_m = flight.range_m - nominal.range_m;
-        assert!(speed.abs() <= accept.accept_speed_fraction, "{mode:?}: {speed}");
-        assert!(angle.abs().to_degrees() <= accept.accept_dgam_deg, "{mode:?}: {angle}");
-        assert!(altitude.abs() <= accept.accept_altitude_fraction, "{mode:?}: {altitude}");
-        assert!(range_m.abs() <= 1e3 * accept.accept_drange_km, "{mode:?}: {range_m}");
-    }
-}
-
-#[test]
-fn in_a_headwind_one_mode_alone_exceeds_the_load_limit() {
-    let vehicle = Vehicle::shipped().unwrap();
-    let limit = vehicle.data().limits.q_alpha_padeg;
-    let exceeding = |misalignments: &[f64]| -> Vec<FlightMode> {
-        FlightMode::ALL
-            .into_iter()
-            .filter(|&mode| {
-                misalignments
-                    .iter()
-                    .any(|&m| design_flight(&vehicle, mode, m).max_q_alpha.value > limit)
-            })
-            .collect()
-    };
-    // Pointwise at the design case and both ends of −0.5…0 …
-    for misalignment in [-0.5, -0.2, 0.0] {
-        assert_eq!(exceeding(&[misalignment]), [FlightMode::FtcElectronics], "{misalignment}");
-    }
-    // … and over the envelope, whose ends are its worst for the other modes.
-    assert_eq!(exceeding(&[-1.0, -0.2, 1.0]), [FlightMode::FtcElectronics]);
-}
-
-#[test]
-fn in_a_tailwind_the_single_violation_does_not_hold() {
-    let vehicle = Vehicle::shipped().unwrap();
-    let limit = vehicle.data().limits.q_alpha_padeg;
-    let exceeds = |mode: FlightMode| {
-        let mut case = FlightCase::design(&vehicle, mode.script()).unwrap();
-        case.wind = Wind::synthetic(&vehicle, WindDirection::Tail).unwrap();
-        fly(&vehicle, &case, RATE, |_| {}).unwrap().max_q_alpha.value > limit
-    };
-    assert!(exceeds(FlightMode::TipsDead));
-    assert!(exceeds(FlightMode::RollLost));
 }
 
 #[test]

@@ -174,23 +174,6 @@ pub(super) fn arrow(path: &Path, cause: ArrowError) -> RunDirError {
 mod tests {
     use super::*;
 
-    fn write(rows: i64) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        let columns = [Column::new("altitude_m", "m"), Column::new("mach", "")];
-        let mut trace = TraceWriter::new(&mut bytes, Path::new("t"), &columns, 8).unwrap();
-        for n in 0..rows {
-            trace.push(Tick(n), &[n as f64, 0.1 * n as f64]).unwrap();
-        }
-        trace.finish().unwrap();
-        bytes
-    }
-
-    #[test]
-    fn equal_data_give_equal_bytes() {
-        assert_eq!(write(37), write(37));
-        assert_ne!(write(37), write(38));
-    }
-
     #[test]
     fn rows_and_columns_that_do_not_fit_are_refused() {
         let refusal = |names: [&str; 2], row: &[f64]| {

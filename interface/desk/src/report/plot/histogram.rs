@@ -42,8 +42,6 @@ pub fn histogram(x: &Axis, values: impl Iterator<Item = f64>, bins: usize) -> Ma
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
 
     #[test]
@@ -51,16 +49,5 @@ mod tests {
         let svg = histogram(&Axis::new("Latency", "µs"), [0.0, 0.1, 5.0, 10.0].into_iter(), 10)
             .into_string();
         assert_eq!(svg.matches("class=\"b0\"").count(), 3);
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(64))]
-        #[test]
-        fn any_sample_draws(values in proptest::collection::vec(any::<f64>(), 0..300), bins: usize, log: bool) {
-            let x = Axis::new("Latency", "µs");
-            let x = if log { x.log() } else { x };
-            let svg = histogram(&x, values.into_iter(), bins).into_string();
-            prop_assert!(svg.ends_with("</svg>") && !svg.contains("NaN"));
-        }
     }
 }

@@ -94,38 +94,8 @@ fn limits_in<'a>(area: &Area<'_>, chart: &'a LineChart) -> Vec<Label<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
-    use super::super::Scale;
     use super::super::{Axis, Series};
     use super::*;
-
-    fn any_chart() -> impl Strategy<Value = LineChart> {
-        let value =
-            prop_oneof![any::<f64>(), Just(f64::NAN), Just(f64::INFINITY), Just(0.0), -1e3..1e3];
-        let values = || proptest::collection::vec(value.clone(), 0..1_200);
-        let series = (values(), values(), 0..4_usize).prop_map(|(x, y, draw)| {
-            let draw = [Draw::Line, Draw::Step, Draw::Markers, Draw::LineAndMarkers][draw];
-            Series::line("a<b>&\"c\"", &x, &y).draw(draw)
-        });
-        let axis = (any::<bool>(), any::<Option<(f64, f64)>>()).prop_map(|(log, range)| Axis {
-            range,
-            scale: if log { Scale::Log } else { Scale::Linear },
-            ..Axis::new("x", "m/s²")
-        });
-        (axis.clone(), axis, proptest::collection::vec(series, 0..4), any::<f64>())
-            .prop_map(|(x, y, series, at)| LineChart::new("t", x, y, series).limit(at, "limit"))
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(96))]
-        #[test]
-        fn any_data_draws(chart in any_chart()) {
-            let svg = line_chart(&chart).into_string();
-            prop_assert!(svg.starts_with("<svg") && svg.ends_with("</svg>"));
-            prop_assert!(!svg.contains("NaN") && !svg.contains("inf"));
-        }
-    }
 
     /// The points of every line of the series, as written.
     fn lines(svg: &str) -> Vec<&str> {

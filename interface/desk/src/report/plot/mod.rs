@@ -35,3 +35,59 @@ const LARGEST: f64 = 1e150;
 fn drawable(value: f64) -> Option<f64> {
     (value.abs() <= LARGEST).then_some(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn any_values() -> impl Strategy<Value = Vec<f64>> {
+        let value =
+            prop_oneof![any::<f64>(), Just(f64::NAN), Just(f64::INFINITY), Just(0.0), -1e3..1e3];
+        proptest::collection::vec(value, 0..1_200)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(96))]
+        /// Every figure of any data is whole and shows no value that is none.
+        #[test]
+        fn any_data_draw(
+            xs in any_values(), ys in any_values(), at: f64, bins: usize, log: bool,
+            range: Option<(f64, f64)>, style in 0..4_usize, rows in 0..6_usize, columns in 0..6_usize,
+        ) {
+            let scale = if log { Scale::Log } else { Scale::Linear };
+            let axis = || Axis { range, scale, ..Axis::new("x", "m/s²") };
+            let draw = [Draw::Line, Draw::Step, Draw::Markers, Draw::LineAndMarkers][style];
+            let series = vec![Series::line("", &xs, &ys).draw(draw); style];
+            let title = String::new;
+            let lines = LineChart::new("t", axis(), axis(), series).limit(at, "limit");
+            let ends = xs.iter().zip(&ys);
+            let effects = Tornado {
+                title: title(),
+                x: axis(),
+                nominal: at,
+                bars: ends.map(|(&low, &high)| TornadoBar { name: "n".repeat(60), low, high }).collect(),
+            };
+            let cells = HeatMap {
+                quantity: title(),
+                corner: title(),
+                rows: (0..rows).map(|n| n.to_string()).collect(),
+                columns: (0..columns).map(|n| n.to_string()).collect(),
+                cells: xs.chunks(5).map(|row| row.iter().map(|&v| HeatCell::new(v)).collect()).collect(),
+                scale: range,
+            };
+            let cells = heat_map(&cells).into_string();
+            prop_assert_eq!(cells.matches("<td").count(), rows * columns);
+            prop_assert!(!cells.contains("NaN"));
+            for (figure, end) in [
+                (line_chart(&lines), "</svg>"),
+                (histogram(&axis(), ys.iter().copied(), bins), "</svg>"),
+                (tornado(&effects), "</div>"),
+            ] {
+                let figure = figure.into_string();
+                prop_assert!(figure.ends_with(end), "{}", figure);
+                prop_assert!(!figure.contains("NaN") && !figure.contains("inf"), "{}", figure);
+            }
+        }
+    }
+}

@@ -1,13 +1,10 @@
 //! No input makes the patch compiler panic or hang: random bytes, mutated patches, odd numbers.
-#![allow(clippy::unwrap_used)]
 
+use crate::{bundle, faults, sound};
 use analog_proc::patch::{bundle_from_path, compile};
 use interface::control::PatchBundle;
 use proptest::prelude::*;
-
-fn bundle(text: &str) -> PatchBundle {
-    PatchBundle { root: "p.toml".into(), files: vec![("p.toml".into(), text.into())] }
-}
+use std::ops::Range;
 
 /// Compiles, and shows whatever faults there are in every form.
 fn try_compile(text: &str) {
@@ -41,29 +38,17 @@ const RICH: &str = include_str!("rich.toml");
 
 #[test]
 fn the_rich_patch_is_free_of_faults() {
-    let ordered = compile(&bundle(RICH), &[]).unwrap_or_else(|f| panic!("{}", f.render()));
+    let ordered = sound(compile(&bundle(RICH), &[]));
     assert!(ordered.netlist.blocks.len() > 50);
     try_compile(RICH);
 }
 
 /// Byte ranges of the numbers in a text.
-fn numbers(text: &str) -> Vec<(usize, usize)> {
-    let mut ranges = Vec::new();
-    let mut start = None;
-    let mut before = ' ';
-    for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
-        let is_part = c.is_ascii_digit() || (start.is_some() && c == '.');
-        match start {
-            None if is_part && !before.is_ascii_alphanumeric() && before != '_' => start = Some(at),
-            Some(from) if !is_part => {
-                ranges.push((from, at));
-                start = None;
-            }
-            _ => {}
-        }
-        before = c;
-    }
-    ranges
+fn numbers(text: &str) -> Vec<Range<usize>> {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
+    let words = text.split(|c| !is_word(c)).filter(|w| w.starts_with(|c: char| c.is_ascii_digit()));
+    let at = |word: &str| word.as_ptr() as usize - text.as_ptr() as usize;
+    words.map(|word| at(word)..at(word) + word.len()).collect()
 }
 
 const ODD: [&str; 12] = [
@@ -83,10 +68,10 @@ const ODD: [&str; 12] = [
 
 #[test]
 fn no_odd_number_in_any_field_panics() {
-    for (start, end) in numbers(RICH) {
+    for range in numbers(RICH) {
         for odd in ODD {
             let mut text = RICH.to_owned();
-            text.replace_range(start..end, odd);
+            text.replace_range(range.clone(), odd);
             try_compile(&text);
         }
     }
@@ -96,14 +81,13 @@ fn no_odd_number_in_any_field_panics() {
 fn deep_nesting_is_refused() {
     for (open, close) in [("[", "]"), ("{ a = ", " }")] {
         let deep = format!("{}1{}", open.repeat(100_000), close.repeat(100_000));
-        let faults = compile(&bundle(&format!("params = {deep}")), &[]).unwrap_err();
-        assert_eq!(faults.faults()[0].code_name(), "toml-syntax");
+        assert_eq!(faults(&format!("params = {deep}")).faults()[0].code_name(), "toml-syntax");
     }
     let dotted = format!("{} = 1", ["a"; 50_000].join("."));
-    assert!(compile(&bundle(&dotted), &[]).is_err());
+    faults(&dotted);
     let long =
         format!("[blocks]\nx = {{ kind = \"summer\", in = [\"{}x\"] }}", "2*".repeat(200_000));
-    assert!(compile(&bundle(&long), &[]).is_err());
+    faults(&long);
 }
 
 #[test]
@@ -123,7 +107,7 @@ fn a_large_patch_compiles_and_a_large_faulty_one_ends() {
         .collect();
     assert!(compile(&bundle(&format!("[blocks]\n{good}")), &[]).is_ok());
     let bad = good.replace("in = [\"x", "in = [\"y");
-    let faults = compile(&bundle(&format!("[blocks]\n{bad}")), &[]).unwrap_err();
+    let faults = faults(&format!("[blocks]\n{bad}"));
     assert!(faults.to_string().starts_with("20000 faults"), "{faults}");
 }
 

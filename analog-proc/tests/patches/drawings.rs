@@ -1,21 +1,16 @@
 //! The drawing of a patch shows every block, is well-formed, and is the same each time.
-#![allow(clippy::unwrap_used)]
 
+use crate::{bundle, shipped, sound};
 use analog_proc::draw;
 use analog_proc::order::Ordered;
 use analog_proc::patch::{bundle_from_path, compile};
-use interface::control::PatchBundle;
-use std::path::Path;
 
 fn load(name: &str) -> Ordered {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../patch-files");
-    let bundle = bundle_from_path(&folder.join(name)).unwrap();
-    compile(&bundle, &[]).unwrap_or_else(|f| panic!("{}", f.render()))
+    sound(compile(&bundle_from_path(&shipped(name)).unwrap(), &[]))
 }
 
 fn from_text(text: &str) -> Ordered {
-    let bundle = PatchBundle { root: "p.toml".into(), files: vec![("p.toml".into(), text.into())] };
-    compile(&bundle, &[]).unwrap_or_else(|f| panic!("{}", f.render()))
+    sound(compile(&bundle(text), &[]))
 }
 
 /// Texts of a drawing; panics where tags do not pair.
