@@ -17,6 +17,7 @@ mod linear;
 mod long_period;
 mod loop_study;
 mod partition;
+mod pictures;
 mod replay;
 mod requests;
 mod sampling;

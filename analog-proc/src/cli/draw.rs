@@ -1,6 +1,6 @@
 //! `analog-proc draw`.
 
-use super::{PatchArgs, add_file, expect_output};
+use super::{PatchArgs, add_files, expect_output};
 use crate::draw;
 use desk::{failure::Failure, outcome::Outcome, say};
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ impl Draw {
         let svg = draw::svg(&compiled.ordered);
         let blocks = compiled.ordered.netlist.blocks.len();
         let mut outcome = Outcome::default();
-        add_file(&mut outcome, &out);
+        add_files(&mut outcome, [out.as_path()]);
         if self.patch.json {
             outcome.results.add("blocks", "Blocks", blocks as f64, 17, "", "");
         } else {

@@ -1,6 +1,6 @@
 //! `analog-proc linearise`: the linear model of a patch about a state of it, its roots and its Bode diagram.
 
-use super::{PatchArgs, check::Compiled, expect_page, find_net, write_page};
+use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, write_page};
 use desk::{
     failure::Failure,
     outcome::{Figure, Outcome},
@@ -114,7 +114,8 @@ impl Linearise {
             }
         }
         if let Some(page) = &self.page {
-            write_page(&mut outcome, "linearise", page, &self.patch, hash)?;
+            write_page(&outcome, "linearise", page, &self.patch, hash)?;
+            add_files(&mut outcome, [page.as_path()]);
         }
         outcome.tell("linearise", None, self.patch.json)
     }

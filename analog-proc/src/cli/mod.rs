@@ -4,6 +4,7 @@ mod check;
 mod draw;
 mod estimate;
 mod linearise;
+mod picture;
 mod progress;
 mod run;
 mod serve;
@@ -104,9 +105,9 @@ fn expect_page(page: &Path, patch: &Path) -> Result<(), Failure> {
     expect_output(page, patch, &["html"])
 }
 
-/// Writes the outcome's page and names its file.
+/// Writes the outcome's page.
 fn write_page(
-    outcome: &mut Outcome,
+    outcome: &Outcome,
     command: &str,
     page: &Path,
     PatchArgs { patch, profile, params, .. }: &PatchArgs,
@@ -119,15 +120,14 @@ fn write_page(
         params.iter().map(|(name, value)| (name.clone(), (*value).into())).collect();
     std::fs::write(page, outcome.page(&record))
         .map_err(|e| Failure::output(format!("cannot write {}: {e}", page.display())))?;
-    add_file(outcome, page);
     Ok(())
 }
 
-/// Names the file that a command wrote; `-` is none.
-fn add_file(outcome: &mut Outcome, out: &Path) {
+/// Names the files that a command wrote; `-` is none.
+fn add_files<'p>(outcome: &mut Outcome, files: impl IntoIterator<Item = &'p Path>) {
     let columns = [Column::new("File", "", |path: &&Path| path.display().to_string().into())];
-    let written = Some(&out).filter(|out| out.as_os_str() != "-");
-    outcome.section("").long_table("files", "", Table::of(&columns, written));
+    let written: Vec<&Path> = files.into_iter().filter(|file| file.as_os_str() != "-").collect();
+    outcome.section("").long_table("files", "", Table::of(&columns, &written));
 }
 
 /// Whether messages go to a terminal whose user has not refused colours.

@@ -1,6 +1,6 @@
 //! `analog-proc sweep`: the same patch with other parameters, run after run, measured and overlaid.
 
-use super::{PatchArgs, check::Compiled, expect_page, find_net, write_page};
+use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, write_page};
 use desk::{
     command_line::interrupt_flag,
     failure::Failure,
@@ -209,7 +209,8 @@ impl Sweep {
                     &chart,
                 );
             }
-            write_page(&mut outcome, "sweep", page, &first, hash)?;
+            write_page(&outcome, "sweep", page, &first, hash)?;
+            add_files(&mut outcome, [page.as_path()]);
         }
         outcome.tell("sweep", None, self.json)
     }

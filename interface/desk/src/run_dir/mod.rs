@@ -15,7 +15,7 @@ mod error;
 mod export;
 mod list;
 mod record;
-mod thin;
+pub mod thin;
 mod trace;
 mod trace_messages;
 mod trace_reader;

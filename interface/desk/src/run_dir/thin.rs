@@ -6,7 +6,7 @@
 //! of its halves, this loses nothing that reading it in one go would have kept.
 
 /// Rows kept so far, column by column.
-pub(super) struct Rows {
+pub struct Rows {
     pub ticks: Vec<i64>,
     pub values: Vec<Vec<f64>>,
     /// Number of each row kept, in the order of the file.
