@@ -26,6 +26,8 @@ use std::{
 const MOST_RUNS: usize = 100_000;
 /// Most rows recorded of one run: what a picture shows, and measures need, is far less.
 const MOST_ROWS: u64 = 1_000_000;
+/// Two swings may differ by this part for the last to be told as a period.
+const SWINGS_ALIKE: f64 = 1e-2;
 /// Most runs overlaid in one figure.
 const MOST_DRAWN: usize = 12;
 
@@ -38,7 +40,8 @@ const MOST_DRAWN: usize = 12;
 ///
 /// LOW:HIGH:COUNT are so many values from LOW to HIGH, LOW:HIGH:COUNT:log in equal ratios; several
 /// --set are combined, each with each. Runs go side by side on all processors, each as if alone. Of
-/// each net: its last value, least and greatest, and the period of its last two swings about its mean.
+/// each net: its last value, least and greatest, and the period of its last swing about its mean, where the
+/// one before is as long to a hundredth.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Sweep {
@@ -337,7 +340,8 @@ impl Measures {
             })
             .collect();
         let period_s = match crossings[..] {
-            [.., a, _, c] => Some((c - a) / 2.0),
+            // Two swings that differ are no period: a transient, or no oscillation.
+            [.., a, b, c] if ((c - b) - (b - a)).abs() <= SWINGS_ALIKE * (c - b) => Some(c - b),
             _ => None,
         };
         Measures { last: values.last().copied().unwrap_or(f64::NAN), least, greatest, period_s }
