@@ -97,6 +97,8 @@ pub(crate) struct Engine {
     margins_high: Vec<Rated>,
     paces: Paces,
     past: Vec<Rated>,
+    /// What the polynomials of the delay lines miss of their inputs over a part of a step.
+    missed: Vec<f64>,
     pub happenings: Happenings,
     pub overloads: Vec<LatchedOverload>,
     pub chatter_from_s: f64,
@@ -154,6 +156,7 @@ impl Engine {
             margins_high: vec![Rated::default(); sides],
             paces: Paces::new(&machine),
             past: Vec::new(),
+            missed: Vec::new(),
             happenings: Happenings::default(),
             overloads: Vec::new(),
             chatter_from_s: 0.0,

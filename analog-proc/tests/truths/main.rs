@@ -12,6 +12,7 @@ mod bench;
 mod roots;
 
 mod angles;
+mod corners;
 mod counts;
 mod delays;
 mod faults;

@@ -20,31 +20,35 @@ impl Piecewise {
     pub fn sides<N: Signal>(&self, region: u32, m: &Machine, nets: &[N], put: &mut impl FnMut(N)) {
         let net = |slot: Slot| nets[slot as usize];
         let rounding = |value: f64| N::constant(4.0 * f64::EPSILON * value.abs());
+        // From a flat piece to a slope; a slope ends at its corner (`allowance`).
+        let out_of_flat = |value: f64| rounding(2.0 * value);
         match self {
-            Piecewise::Curve(curve) => curve.sides(region, &m.breakpoints, nets, put),
+            Piecewise::Curve(curve) => {
+                curve.sides(region, &m.breakpoints, &m.initial_pieces, nets, put);
+            }
             Piecewise::DeadZone { u, width } => {
                 let (u, w) = (u.of(nets), net(*width));
-                let band = rounding(w.value());
+                let band = out_of_flat(w.value());
                 match region {
-                    0 => put(u + w - band),
+                    0 => put(u + w),
                     1 => {
                         put(u - w - band);
                         put(-u - w - band);
                     }
-                    _ => put(w - u - band),
+                    _ => put(w - u),
                 }
             }
             Piecewise::Limiter { u, low, high } => {
                 let (u, low, high) = (u.of(nets), net(*low), net(*high));
-                let band = rounding(low.value().abs().max(high.value().abs()));
+                let band = out_of_flat(low.value().abs().max(high.value().abs()));
                 match region {
                     0 => {
                         put(u - low - band);
                         put(u - high - band);
                     }
                     1 => {
-                        put(u - high - band);
-                        put(low - u - band);
+                        put(u - high);
+                        put(low - u);
                     }
                     _ => put(high - u - band),
                 }

@@ -6,7 +6,6 @@
 use super::Engine;
 use super::instants::resolution_s;
 use super::search::{END, START, cubic};
-use super::watch::is_beyond;
 use crate::event::fatal;
 use crate::fault::RunFault;
 use crate::signal::Rated;
@@ -64,9 +63,9 @@ impl Engine {
     /// The sides at a node; what is beyond its surface by rounding alone is at it.
     fn margins_at(&self, node: usize, margins: &mut [Rated]) {
         let node = &self.nodes[node];
-        let sides = node.sides.iter().zip(&self.nodes[END].noise);
-        for (margin, (side, noise)) in margins.iter_mut().zip(sides) {
-            let is_noise = side.value > 0.0 && !is_beyond(*side, *noise);
+        let sides = node.sides.iter().zip(&self.nodes[END].noise).enumerate();
+        for (margin, (i, (side, noise))) in margins.iter_mut().zip(sides) {
+            let is_noise = side.value > 0.0 && !self.machine.is_beyond(i, *side, *noise);
             *margin = Rated { value: if is_noise { 0.0 } else { side.value }, rate: side.rate };
         }
     }

@@ -7,7 +7,7 @@
 use super::Engine;
 use super::search::START;
 use crate::element::pace::Pace;
-use crate::element::piecewise::{LEFT_DOWNWARD, LOWER_SHEET};
+use crate::element::piecewise::{LEFT_DOWNWARD, LOWER_SHEET, Piecewise};
 use crate::machine::Machine;
 use crate::signal::{Doubted, Rated, Signal};
 
@@ -162,8 +162,9 @@ impl Engine {
         for (doubted, rated) in self.doubted.iter_mut().zip(nets) {
             *doubted = Doubted::constant(rated.value);
         }
-        for doubted in &mut self.doubted[..self.step.y0.len()] {
-            doubted.doubt = ROUNDING * doubted.value.abs();
+        for i in 0..self.step.y0.len() {
+            let (value, sunk) = (self.doubted[i].value, self.is_sunk(i));
+            self.doubted[i].doubt = if sunk { self.atol[i] } else { ROUNDING * value.abs() };
         }
         let t_s = if at_start { self.t_s } else { self.step.t0_s + theta * self.step.h_s };
         for op in &self.machine.watch {
@@ -188,8 +189,21 @@ impl Engine {
     }
 }
 
-/// Whether a side is positive: what returns is so only by more than its rounding.
-#[inline(always)]
-pub(super) fn is_beyond(side: Rated, noise: f64) -> bool {
-    side.value > 0.0 && (side.rate >= 0.0 || side.value > noise)
+impl Machine {
+    /// Whether a side is that of an arctangent's sheet: beyond it the angle goes on, so that
+    /// rounding is no reason to leave the sheet, but one to stay (a vector that comes to rest on
+    /// the cut, or touches it, has not crossed it).
+    #[inline(always)]
+    pub(super) fn is_sheet(&self, side: usize) -> bool {
+        let element = self.element_of_side[side];
+        matches!(self.elements[element as usize].1, Piecewise::Sheet { .. })
+    }
+
+    /// Whether a side is positive: what returns is so only by more than its rounding, and so is
+    /// that of a sheet.
+    #[inline(always)]
+    pub(super) fn is_beyond(&self, i: usize, side: Rated, noise: f64) -> bool {
+        side.value > 0.0
+            && (side.value > noise.max(f64::MIN_POSITIVE) || side.rate >= 0.0 && !self.is_sheet(i))
+    }
 }
