@@ -16,6 +16,7 @@ mod corners;
 mod counts;
 mod delays;
 mod faults;
+mod fixed_steps;
 mod friction;
 mod integrals;
 mod order;
