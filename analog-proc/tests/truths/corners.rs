@@ -91,6 +91,42 @@ fn a_dead_zone_has_the_sign_of_its_input_or_none() {
 }
 
 #[test]
+fn an_extreme_is_never_below_what_it_chooses_from() {
+    // A ramp that is held at the level where it switches a comparator off, and a sine that comes
+    // back to it.
+    for (slope, part, gain, frequency, level) in [
+        (1.671, 0.41, 1.296, 1.58, 0.296),
+        (0.831, 0.319, 1.236, 2.58, 0.157),
+        (1.707, 0.43, 1.852, 1.79, 0.219),
+    ] {
+        let blocks = format!(
+            r#"
+            one = {{ kind = "constant", value = 1.0 }}
+            s = {{ kind = "signal-generator", wave = "sine", frequency = {frequency:?}, phase = -2 }}
+            held = {{ kind = "integrator", in = ["{slope:?} * one"], ic = -0.5, operate = "low" }}
+            most = {{ kind = "max", in = ["{part:?} * held", "0.6 * s"] }}
+            least = {{ kind = "min", in = ["-{part:?} * held", "-0.6 * s"] }}
+            low = {{ kind = "comparator", in = ["-{gain:?} * most"], threshold = -{level:?} }}
+            n_low = {{ kind = "counter", in = ["low"] }}
+            {}
+            "#,
+            counted("least", &format!("\"{gain:?} * least\""), -level),
+        );
+        for integration in METHODS {
+            let mut bench = Bench::with(integration, &blocks);
+            bench.run(10.0);
+            // The sine switches it off and on again until the ramp has come to the level.
+            let before = bench.net("n_low");
+            bench.run(20.0);
+            let found = part * gain * bench.net("held");
+            assert!((found - level).abs() < 1e-12, "{integration}: {found}");
+            assert_eq!(bench.net("n_low"), before, "{integration}: slope {slope}");
+            assert_eq!(bench.net("n_least"), before, "{integration}: slope {slope}");
+        }
+    }
+}
+
+#[test]
 fn what_friction_stops_has_not_moved_back() {
     // In either order of the lines.
     let friction = "f = { kind = \"dry-friction\", in = [\"v\", \"zero\"], level = 0.71 }\n";

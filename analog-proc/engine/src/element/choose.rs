@@ -1,6 +1,6 @@
 //! Regions of elements: their sides, and the choice among them.
 
-use super::curve::Piece;
+use super::curve::{Piece, allowance};
 use super::friction::STUCK;
 use super::piecewise::{Choice, Fatal, LOWER_SHEET, Piecewise, UNSET};
 use crate::machine::{Frozen, Machine};
@@ -55,11 +55,17 @@ impl Piecewise {
             }
             Piecewise::Extremum { start, len, sign } => {
                 let terms = &m.terms[*start as usize..(*start + *len) as usize];
-                let mine = terms[region as usize].of(nets) * *sign;
-                let band = rounding(mine.value());
+                let mine: N = terms[region as usize].of(nets) * *sign;
+                let band = rounding(mine.value()).value();
                 for (i, term) in terms.iter().enumerate() {
                     if i != region as usize {
-                        put(term.of(nets) * *sign - mine - band);
+                        let other: N = term.of(nets) * *sign;
+                        // What stands is a limit to the others; at rest the greatest is taken.
+                        let allowed = match (mine.rate(), other.rate()) {
+                            (Some(from), Some(to)) => allowance(band, from == 0.0, to == 0.0),
+                            _ => 0.0,
+                        };
+                        put(other - mine - N::constant(allowed));
                     }
                 }
             }
@@ -161,13 +167,7 @@ impl Piecewise {
 
     /// Whether the margin allows for rounding at a corner where nothing jumps.
     fn has_allowance(&self) -> bool {
-        matches!(
-            self,
-            Piecewise::Curve(_)
-                | Piecewise::DeadZone { .. }
-                | Piecewise::Limiter { .. }
-                | Piecewise::Extremum { .. }
-        )
+        matches!(self, Piecewise::Curve(_) | Piecewise::DeadZone { .. } | Piecewise::Limiter { .. })
     }
 
     fn region(&self, known: Option<u32>, m: &Machine, nets: &[f64]) -> Result<u32, Fatal> {
