@@ -44,7 +44,8 @@ impl FixedSteps {
         self.h_s = 0.0;
     }
 
-    /// Takes an accepted step.
+    /// Takes an accepted step. Out of line, so that it does not crowd the adaptive methods.
+    #[inline(never)]
     pub fn take(&mut self, scheme: &Scheme, step: &Step) {
         match scheme {
             Scheme::Euler => {

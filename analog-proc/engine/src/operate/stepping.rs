@@ -251,7 +251,9 @@ impl Engine {
                 recorder.record(&self.probe);
             }
         }
-        self.fixed_steps.take(&self.scheme, &self.step);
+        if !self.scheme.adaptive() {
+            self.fixed_steps.take(&self.scheme, &self.step);
+        }
         self.follow(cut);
         self.size_up(false);
         std::mem::swap(&mut self.rated_start, &mut self.rated);
