@@ -20,6 +20,9 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Further from zero than this part of the greatest net, no rounding makes a side positive.
 const NEAR: f64 = 1e-9;
 
+/// How far an angle may go on beyond the cut for rounding, rad.
+const MOST_BEYOND: f64 = 1e-9;
+
 /// The sides of all watched regions at one instant of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
@@ -152,6 +155,17 @@ impl Engine {
         let noise = &mut self.nodes[node].noise;
         for (noise, side) in noise.iter_mut().zip(doubts) {
             *noise = if side.doubt.is_finite() { side.doubt } else { 0.0 };
+        }
+        // What is doubted of a short vector is no reason to let its angle go on beyond the cut.
+        let nets = if node == START { &self.rated_start } else { &self.rated };
+        for (pace, _) in &self.machine.paces {
+            if let Pace::Direction { e, x, .. } = *pace
+                && let Some(side) = self.machine.first_side[e as usize]
+            {
+                let x: Rated = x.of(nets);
+                let noise = &mut self.nodes[node].noise[side as usize];
+                *noise = noise.min(MOST_BEYOND * x.value.abs());
+            }
         }
     }
 
