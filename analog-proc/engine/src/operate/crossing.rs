@@ -63,9 +63,10 @@ impl Engine {
     /// The sides at a node; what is beyond its surface by rounding alone is at it.
     fn margins_at(&self, node: usize, margins: &mut [Rated]) {
         let node = &self.nodes[node];
-        let sides = node.sides.iter().zip(&self.nodes[END].noise).enumerate();
-        for (margin, (i, (side, noise))) in margins.iter_mut().zip(sides) {
-            let is_noise = side.value > 0.0 && !self.machine.is_beyond(i, *side, *noise);
+        let sides = node.sides.iter().zip(&self.nodes[END].noise);
+        for (margin, (side, noise)) in margins.iter_mut().zip(sides) {
+            // The rounding of the step's end says nothing of what rises long before it.
+            let is_noise = side.value > 0.0 && side.rate < 0.0 && side.value <= *noise;
             *margin = Rated { value: if is_noise { 0.0 } else { side.value }, rate: side.rate };
         }
     }
