@@ -12,7 +12,7 @@
 
 use crate::element::integrator::Stops;
 use crate::element::logic::Edge;
-use crate::element::piecewise::Fatal;
+use crate::element::piecewise::{Fatal, Piecewise};
 use crate::fault::RunFault;
 use crate::id::BlockId;
 use crate::machine::{Frozen, Machine, Settle};
@@ -75,6 +75,10 @@ impl Machine {
             before.copy_from_slice(nets);
             let last = pass + 1 == bound;
             let (mut moved, negative) = self.pass(f, t_s, nets, sharp, happenings)?;
+            if moved {
+                // Logic has seen a velocity before it was set to rest: stores wait.
+                continue;
+            }
             switched.clear();
             for (i, store) in self.stores.iter().enumerate() {
                 let (previous, edges) = (&mut f.previous[i], &mut happenings.edges);
@@ -126,6 +130,17 @@ impl Machine {
     ) -> Result<(bool, Option<BlockId>), RunFault> {
         let mut moved = false;
         let mut negative = None;
+        // An instant lies beyond what was located in it, but no output beyond its stop.
+        for stops in self.controls.iter().filter_map(|control| control.stops) {
+            if let Piecewise::Stops(stops) = self.elements[stops as usize].1 {
+                let state = &mut nets[stops.state as usize];
+                if *state > stops.high {
+                    *state = stops.high;
+                } else if *state < stops.low {
+                    *state = stops.low;
+                }
+            }
+        }
         for step in &self.settle {
             match step {
                 Settle::Decide(e) => {

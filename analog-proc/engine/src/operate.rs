@@ -10,6 +10,7 @@
 //! of time, and to go on while events repeat without progress.
 
 mod crossing;
+mod fixed;
 mod guard;
 mod heed;
 mod instants;
@@ -36,6 +37,7 @@ use crate::overload::LatchedOverload;
 use crate::remark::Remark;
 use crate::signal::{Doubted, Rated};
 use crate::statistics::Statistics;
+use fixed::FixedSteps;
 use guard::Switched;
 use instants::resolution_s;
 use paces::Paces;
@@ -94,7 +96,10 @@ pub(crate) struct Engine {
     margins_low: Vec<Rated>,
     margins_high: Vec<Rated>,
     paces: Paces,
+    fixed_steps: FixedSteps,
     past: Vec<Rated>,
+    /// What the polynomials of the delay lines miss of their inputs over a part of a step.
+    missed: Vec<f64>,
     pub happenings: Happenings,
     pub overloads: Vec<LatchedOverload>,
     pub chatter_from_s: f64,
@@ -151,7 +156,9 @@ impl Engine {
             margins_low: vec![Rated::default(); sides],
             margins_high: vec![Rated::default(); sides],
             paces: Paces::new(&machine),
+            fixed_steps: FixedSteps::new(states),
             past: Vec::new(),
+            missed: Vec::new(),
             happenings: Happenings::default(),
             overloads: Vec::new(),
             chatter_from_s: 0.0,
@@ -191,6 +198,7 @@ impl Engine {
         self.switched.fill(Switched::default());
         self.former_error = 1e-4;
         self.paces.reset();
+        self.fixed_steps.reset();
         self.forget_sizes();
         for (i, (_, timer)) in self.machine.timers.iter().enumerate() {
             self.frozen.timer_count[i] = timer.first();
@@ -285,6 +293,7 @@ impl Engine {
         }
         self.probe.copy_from_slice(&self.nets);
         self.scheme.restart();
+        self.fixed_steps.part();
         self.check_finite()?;
         if let Some(generation) = generation {
             for (line, before) in self.frozen.lines.iter_mut().zip(before) {
@@ -308,7 +317,12 @@ impl Engine {
             value: self.step.y0[state],
             atol: self.atol[state],
         });
-        unresolved.chain(faded).collect()
+        let coarse = self.fixed_steps.poorest(&self.largest).map(|(state, error)| Remark::Coarse {
+            block: machine.block_name(machine.block_of_state[state]),
+            error,
+            largest: self.largest[state],
+        });
+        unresolved.chain(faded).chain(coarse).collect()
     }
 
     /// What the delay lines are given, as the nets were watched last.

@@ -29,4 +29,17 @@ pub enum Remark {
         /// The absolute tolerance, problem units.
         atol: f64,
     },
+    /// Fixed steps did not resolve a state.
+    #[error(
+        "the fixed steps leave an error of about {error:.1e} in `{block}`, beside a greatest value of \
+         {largest:e}; shorten `step`, or take a method that controls its error"
+    )]
+    Coarse {
+        /// The block.
+        block: String,
+        /// The estimate of its error, problem units.
+        error: f64,
+        /// The greatest magnitude of its output.
+        largest: f64,
+    },
 }

@@ -23,6 +23,10 @@ pub trait Signal:
     /// A function of time alone at `t_s`; `rate` is asked only by those who keep it.
     fn of_time(t_s: f64, value: f64, rate: impl FnOnce() -> f64) -> Self;
     fn value(self) -> f64;
+    /// Its rate, where it has one.
+    fn rate(self) -> Option<f64> {
+        None
+    }
     fn sin_cos(self) -> (Self, Self);
     /// Root of the positive part, NaN kept.
     fn root(self) -> Self;
@@ -185,6 +189,11 @@ impl Signal for Rated {
     #[inline(always)]
     fn value(self) -> f64 {
         self.value
+    }
+
+    #[inline(always)]
+    fn rate(self) -> Option<f64> {
+        Some(self.rate)
     }
 
     #[inline(always)]

@@ -61,6 +61,29 @@ fn what_dips_below_zero_for_a_moment_ends_the_run() {
 }
 
 #[test]
+fn a_divisor_is_not_called_zero_where_it_runs_away() {
+    // One and a square, which a delayed square makes run away: never below one. A run that cannot
+    // be followed is not ended by a division by zero.
+    let mut bench = Bench::new(
+        r#"
+        one = { kind = "constant", value = 1.0 }
+        s = { kind = "signal-generator", wave = "sine", amplitude = -1.4766970724479402, frequency = 1.6619462959399327, phase = 3.118201558696021 }
+        square = { kind = "square", in = ["2 * late"] }
+        late = { kind = "transport-delay", in = ["-1 * square", "s"], delay = 0.11558361129282581, initial = -0.26008533401735 }
+        divisor = { kind = "summer", in = ["one", "square"] }
+        q = { kind = "divider", in = ["one", "divisor"] }
+        "#,
+    );
+    match bench.try_run(1.3) {
+        Err(RunFault::TooQuick { block, t_s } | RunFault::NotFollowed { block, t_s }) => {
+            assert_eq!(block, "q");
+            assert!(t_s > 0.9, "at {t_s} s");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
 fn an_overload_of_a_sine_of_time_stops_the_run() {
     // The level is 110 % of `max`.
     let time = "t = { kind = \"time\" }\ns = { kind = \"sine\", in = [\"6.283185307179586 * t\"], max = MAX }";

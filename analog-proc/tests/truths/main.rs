@@ -12,9 +12,11 @@ mod bench;
 mod roots;
 
 mod angles;
+mod corners;
 mod counts;
 mod delays;
 mod faults;
+mod fixed_steps;
 mod friction;
 mod integrals;
 mod order;

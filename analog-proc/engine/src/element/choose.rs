@@ -1,6 +1,6 @@
 //! Regions of elements: their sides, and the choice among them.
 
-use super::curve::Piece;
+use super::curve::{Piece, allowance};
 use super::friction::STUCK;
 use super::piecewise::{Choice, Fatal, LOWER_SHEET, Piecewise, UNSET};
 use crate::machine::{Frozen, Machine};
@@ -20,42 +20,52 @@ impl Piecewise {
     pub fn sides<N: Signal>(&self, region: u32, m: &Machine, nets: &[N], put: &mut impl FnMut(N)) {
         let net = |slot: Slot| nets[slot as usize];
         let rounding = |value: f64| N::constant(4.0 * f64::EPSILON * value.abs());
+        // From a flat piece to a slope; a slope ends at its corner (`allowance`).
+        let out_of_flat = |value: f64| rounding(2.0 * value);
         match self {
-            Piecewise::Curve(curve) => curve.sides(region, &m.breakpoints, nets, put),
+            Piecewise::Curve(curve) => {
+                curve.sides(region, &m.breakpoints, &m.initial_pieces, nets, put);
+            }
             Piecewise::DeadZone { u, width } => {
                 let (u, w) = (u.of(nets), net(*width));
-                let band = rounding(w.value());
+                let band = out_of_flat(w.value());
                 match region {
-                    0 => put(u + w - band),
+                    0 => put(u + w),
                     1 => {
                         put(u - w - band);
                         put(-u - w - band);
                     }
-                    _ => put(w - u - band),
+                    _ => put(w - u),
                 }
             }
             Piecewise::Limiter { u, low, high } => {
                 let (u, low, high) = (u.of(nets), net(*low), net(*high));
-                let band = rounding(low.value().abs().max(high.value().abs()));
+                let band = out_of_flat(low.value().abs().max(high.value().abs()));
                 match region {
                     0 => {
                         put(u - low - band);
                         put(u - high - band);
                     }
                     1 => {
-                        put(u - high - band);
-                        put(low - u - band);
+                        put(u - high);
+                        put(low - u);
                     }
                     _ => put(high - u - band),
                 }
             }
             Piecewise::Extremum { start, len, sign } => {
                 let terms = &m.terms[*start as usize..(*start + *len) as usize];
-                let mine = terms[region as usize].of(nets) * *sign;
-                let band = rounding(mine.value());
+                let mine: N = terms[region as usize].of(nets) * *sign;
+                let band = rounding(mine.value()).value();
                 for (i, term) in terms.iter().enumerate() {
                     if i != region as usize {
-                        put(term.of(nets) * *sign - mine - band);
+                        let other: N = term.of(nets) * *sign;
+                        // What stands is a limit to the others; at rest the greatest is taken.
+                        let allowed = match (mine.rate(), other.rate()) {
+                            (Some(from), Some(to)) => allowance(band, from == 0.0, to == 0.0),
+                            _ => 0.0,
+                        };
+                        put(other - mine - N::constant(allowed));
                     }
                 }
             }
@@ -157,13 +167,7 @@ impl Piecewise {
 
     /// Whether the margin allows for rounding at a corner where nothing jumps.
     fn has_allowance(&self) -> bool {
-        matches!(
-            self,
-            Piecewise::Curve(_)
-                | Piecewise::DeadZone { .. }
-                | Piecewise::Limiter { .. }
-                | Piecewise::Extremum { .. }
-        )
+        matches!(self, Piecewise::Curve(_) | Piecewise::DeadZone { .. } | Piecewise::Limiter { .. })
     }
 
     fn region(&self, known: Option<u32>, m: &Machine, nets: &[f64]) -> Result<u32, Fatal> {

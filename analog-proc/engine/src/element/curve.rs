@@ -33,13 +33,24 @@ pub struct Curve {
     pub start: u32,
     pub len: u32,
     pub pieces: u32,
-    /// A corner counts as crossed when it is exceeded by this much, so that rounding
-    /// noise of a signal at rest on a corner makes no events.
+    /// Between two slopes a corner counts as crossed when it is exceeded by this much, so that
+    /// rounding noise of a signal at rest on a corner makes no events.
     pub band: f64,
 }
 
 /// Rounding of a signal as large as the corner itself: a few units in its last place.
 const CORNER_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// By how much a corner is exceeded before the piece `from` is left for `to`, of which each is flat
+/// or not. A slope ends at the corner itself: what it holds at (a limit, zero) it does not pass.
+#[inline(always)]
+pub(crate) fn allowance(band: f64, from_flat: bool, to_flat: bool) -> f64 {
+    match (from_flat, to_flat) {
+        (true, false) => 2.0 * band,
+        (false, true) => 0.0,
+        _ => band,
+    }
+}
 
 /// Noise band of a set of corners.
 pub fn band(corners: &[f64]) -> f64 {
@@ -58,18 +69,20 @@ impl Curve {
         &self,
         region: u32,
         breakpoints: &[f64],
+        pieces: &[Piece],
         nets: &[N],
         put: &mut impl FnMut(N),
     ) {
         let u = self.u.of(nets);
         let corners = self.corners(breakpoints);
         let r = region as usize;
-        let band = N::constant(self.band);
+        let flat = |r: usize| pieces[self.pieces as usize + r].slope == 0.0;
+        let beyond = |to: usize| N::constant(allowance(self.band, flat(r), flat(to)));
         if r > 0 {
-            put(N::constant(corners[r - 1]) - u - band);
+            put(N::constant(corners[r - 1]) - u - beyond(r - 1));
         }
         if let Some(high) = corners.get(r) {
-            put(u - N::constant(*high) - band);
+            put(u - N::constant(*high) - beyond(r + 1));
         }
     }
 
@@ -84,12 +97,22 @@ impl Curve {
     }
 }
 
+/// Roundings of a slope and of what it makes of its interval, and to spare.
+const MOST_ROUNDINGS: usize = 8;
+
 /// Pieces of a table: flat beyond its ends.
 fn table<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = Piece> + 'a {
-    let sloping = x.windows(2).zip(y.windows(2)).map(|(x, y)| Piece {
-        x0: x[0],
-        y0: y[0],
-        slope: (y[1] - y[0]) / (x[1] - x[0]),
+    let sloping = x.windows(2).zip(y.windows(2)).map(|(x, y)| {
+        let mut piece = Piece { x0: x[0], y0: y[0], slope: (y[1] - y[0]) / (x[1] - x[0]) };
+        // Rounding takes none beyond its ordinates: what holds at an end is not passed before it.
+        let (low, high) = (y[0].min(y[1]), y[0].max(y[1]));
+        for _ in 0..MOST_ROUNDINGS {
+            if (low..=high).contains(&piece.at(x[1])) {
+                break;
+            }
+            piece.slope *= 1.0 - f64::EPSILON;
+        }
+        piece
     });
     let below = y.first().map(|y| Piece::flat(*y));
     let above = y.last().map(|y| Piece::flat(*y));

@@ -160,7 +160,9 @@ impl DelayLine {
         {
             i += 1;
         }
-        read(&self.segments[i], s, t_s)
+        // What is read beyond its ends by rounding of time is what holds at its ends.
+        let segment = &self.segments[i];
+        read(segment, s.clamp(segment.t0_s, segment.end_s().max(segment.t0_s)), t_s)
     }
 
     /// How far a step from `t_s` may go: what has been smooth when it went in comes out
@@ -173,7 +175,8 @@ impl DelayLine {
         last.map_or(f64::INFINITY, |segment| segment.t0_s + self.delay_s - t_s)
     }
 
-    /// Stores the input over a part of an accepted step, known to within `doubt`.
+    /// Stores the input over a part of an accepted step, known to within `doubt`: its rounding, and
+    /// what the segment misses of it.
     pub fn store(&mut self, segment: Segment, doubt: f64) {
         let epoch = self.epoch.max(1);
         let noise = doubt + DIFFERENCES * f64::EPSILON * self.largest;

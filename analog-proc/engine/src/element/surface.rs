@@ -1,5 +1,6 @@
 //! Bilinear function of two variables; one cell is in force within a step.
 
+use crate::element::curve::allowance;
 use crate::op::Term;
 use crate::signal::Signal;
 
@@ -25,13 +26,20 @@ fn clamp_to<N: Signal>(axis: &[f64], interval: usize, u: N) -> (usize, N) {
     }
 }
 
+/// `low` + `part`·(`high` − `low`), from the nearer end: rounding takes it beyond neither.
+fn between<N: Signal>(low: N, high: N, part: N) -> N {
+    let rise = high - low;
+    if part.value() < 0.5 { low + part * rise } else { high - (N::constant(1.0) - part) * rise }
+}
+
 fn beyond<N: Signal>(axis: &[f64], interval: usize, u: N, band: f64, put: &mut impl FnMut(N)) {
-    let band = N::constant(band);
+    let flat = |interval: usize| interval == 0 || interval == axis.len();
+    let band = |to: usize| N::constant(allowance(band, flat(interval), flat(to)));
     if interval > 0 {
-        put(N::constant(axis[interval - 1]) - u - band);
+        put(N::constant(axis[interval - 1]) - u - band(interval - 1));
     }
     if let Some(high) = axis.get(interval) {
-        put(u - N::constant(*high) - band);
+        put(u - N::constant(*high) - band(interval + 1));
     }
 }
 
@@ -49,9 +57,8 @@ impl Table {
         let next_i = (i + 1).min(self.x.len() - 1);
         let next_j = (j + 1).min(columns - 1);
         let z = |i: usize, j: usize| self.z[i * columns + j];
-        let along = |i: usize| N::constant(z(i, j)) + q * (z(i, next_j) - z(i, j));
-        let (low, high) = (along(i), along(next_i));
-        low + p * (high - low)
+        let along = |i: usize| between(N::constant(z(i, j)), N::constant(z(i, next_j)), q);
+        between(along(i), along(next_i), p)
     }
 
     /// Distances beyond the ends of the present cell; positive outside.

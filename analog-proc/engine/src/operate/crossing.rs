@@ -6,7 +6,6 @@
 use super::Engine;
 use super::instants::resolution_s;
 use super::search::{END, START, cubic};
-use super::watch::is_beyond;
 use crate::event::fatal;
 use crate::fault::RunFault;
 use crate::signal::Rated;
@@ -66,7 +65,8 @@ impl Engine {
         let node = &self.nodes[node];
         let sides = node.sides.iter().zip(&self.nodes[END].noise);
         for (margin, (side, noise)) in margins.iter_mut().zip(sides) {
-            let is_noise = side.value > 0.0 && !is_beyond(*side, *noise);
+            // The rounding of the step's end says nothing of what rises long before it.
+            let is_noise = side.value > 0.0 && side.rate < 0.0 && side.value <= *noise;
             *margin = Rated { value: if is_noise { 0.0 } else { side.value }, rate: side.rate };
         }
     }

@@ -36,22 +36,24 @@ impl Engine {
         let h_s = width * self.step.h_s;
         let tolerance = self.integration.rtol.max(LEAST_RTOL);
         let mut met = true;
+        self.missed.clear();
         for (i, line) in self.frozen.lines.iter_mut().enumerate() {
             let segment = Segment::through(t0_s, h_s, at.map(|first| self.past[first + i]));
             let inputs = at.iter().chain(&quarters);
             let inputs = inputs.map(|first| self.past[first + i].value.abs());
             line.largest = inputs.fold(line.largest, f64::max);
-            let misses = |theta: f64, first: usize| {
-                let missed = (segment.at(theta) - self.past[first + i].value).abs();
-                missed > tolerance * line.largest
-            };
-            met &= !misses(0.25, quarters[0]) && !misses(0.75, quarters[1]);
+            let misses =
+                |theta: f64, first: usize| (segment.at(theta) - self.past[first + i].value).abs();
+            let missed = misses(0.25, quarters[0]).max(misses(0.75, quarters[1]));
+            let misses_it = missed > tolerance * line.largest;
+            met &= !misses_it;
+            self.missed.push(missed);
         }
         if met || halvings == 0 {
             for (i, line) in self.frozen.lines.iter_mut().enumerate() {
                 let nodes: [Rated; 3] = at.map(|first| self.past[first + i]);
                 let input: Doubted = line.input.of(&self.doubted);
-                line.store(Segment::through(t0_s, h_s, nodes), input.doubt);
+                line.store(Segment::through(t0_s, h_s, nodes), input.doubt + 2.0 * self.missed[i]);
             }
             return;
         }

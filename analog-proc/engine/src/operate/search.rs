@@ -13,8 +13,6 @@
 
 use super::Engine;
 use super::instants::resolution_s;
-use super::watch::is_beyond;
-use crate::event::fatal;
 use crate::fault::RunFault;
 use crate::signal::Rated;
 
@@ -129,7 +127,8 @@ impl Engine {
         }
         // Where a side is beyond its surface and returns, rounding tells whether it was crossed.
         for node in [START, END] {
-            if self.has_active(node, |side| side.value > 0.0 && side.rate < 0.0) {
+            let sheet = |i| self.machine.is_sheet(i);
+            if self.has_active(node, |i, side| side.value > 0.0 && (side.rate < 0.0 || sheet(i))) {
                 self.find_noise(node);
             }
         }
@@ -182,7 +181,7 @@ impl Engine {
         let theta = (1.0 - part) * self.nodes[a].theta + part * self.nodes[b].theta;
         self.rate_at(theta);
         self.look_at_sides(middle, theta);
-        if depth + 1 >= NOISE_DEPTH || self.has_active(middle, |side| side.value > 0.0) {
+        if depth + 1 >= NOISE_DEPTH || self.has_active(middle, |_, side| side.value > 0.0) {
             self.find_noise(middle);
         }
         // The bulge of the error, and its slope, at the place of division.
@@ -220,9 +219,9 @@ impl Engine {
         Ok(None)
     }
 
-    fn has_active(&self, node: usize, is: impl Fn(Rated) -> bool) -> bool {
+    fn has_active(&self, node: usize, is: impl Fn(usize, Rated) -> bool) -> bool {
         let sides = &self.nodes[node].sides;
-        self.active.iter().any(|&i| is(sides[i as usize]))
+        self.active.iter().map(|i| *i as usize).any(|i| is(i, sides[i]))
     }
 
     fn is_crossed(&self, node: usize) -> bool {
@@ -235,7 +234,7 @@ impl Engine {
     fn is_side_crossed(&self, i: usize, node: usize) -> bool {
         let at = &self.nodes[node];
         let (side, noise) = (at.sides[i], at.noise[i]);
-        is_beyond(side, noise) && (node <= END || side.value > noise)
+        self.machine.is_beyond(i, side, noise) && (node <= END || side.value > noise)
     }
 
     /// A divisor that cannot be told from zero in an interval as short as time resolves ends
@@ -249,12 +248,9 @@ impl Engine {
             };
             let element = self.machine.element_of_side[i];
             let (block, piecewise) = self.machine.elements[element as usize];
-            if let Some(fault) = piecewise.fatal()
-                && touches(a)
-                && touches(b)
-            {
+            if piecewise.fatal().is_some() && touches(a) && touches(b) {
                 let t_s = self.t_s + self.nodes[b].theta * self.step.h_s;
-                return Err(fatal(&self.machine, block, fault, t_s));
+                return Err(RunFault::TooQuick { t_s, block: self.machine.block_name(block) });
             }
         }
         Ok(())
@@ -283,7 +279,8 @@ impl Engine {
                 // One of them is known: it was looked at this deep.
                 let known = [a, b].map(|node| &self.nodes[node]).into_iter();
                 let known = known.filter(|node| node.doubted);
-                known.map(|node| node.noise[i]).fold(f64::INFINITY, f64::min)
+                // Between ends that are just within it there may be as much again.
+                2.0 * known.map(|node| node.noise[i]).fold(f64::INFINITY, f64::min)
             };
             let is_number = (inside + bulge).is_finite();
             let [at_start, at_end] = [a, b].map(|node| self.is_side_crossed(i, node));

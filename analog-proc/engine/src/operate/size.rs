@@ -7,6 +7,7 @@
 //! of the greatest net, no more than one, where it is smaller than that.
 
 use super::Engine;
+use crate::integrate::Step;
 
 /// Part of the greatest net that a state without a size of its own is measured by.
 const FLOOR: f64 = 1e-8;
@@ -86,6 +87,13 @@ impl Engine {
         states.filter_map(move |(i, (largest, atol))| {
             (*largest > 0.0 && rtol * largest < *atol).then_some(i)
         })
+    }
+
+    /// Whether a state stays below its tolerance over the step and does not just pass through zero:
+    /// then not even its sign is known.
+    pub(super) fn is_sunk(&self, i: usize) -> bool {
+        let (Step { y0, y1, f0, .. }, atol) = (&self.step, self.atol[i]);
+        y0[i].abs().max(y1[i].abs()) < atol && (f0[i] * self.t_s).abs() < FADED * atol
     }
 
     /// States that have decayed to where their absolute tolerance counts, and stay there.

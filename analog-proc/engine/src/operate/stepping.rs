@@ -251,6 +251,9 @@ impl Engine {
                 recorder.record(&self.probe);
             }
         }
+        if !self.scheme.adaptive() {
+            self.fixed_steps.take(&self.scheme, &self.step);
+        }
         self.follow(cut);
         self.size_up(false);
         std::mem::swap(&mut self.rated_start, &mut self.rated);

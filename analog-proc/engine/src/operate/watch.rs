@@ -7,7 +7,7 @@
 use super::Engine;
 use super::search::START;
 use crate::element::pace::Pace;
-use crate::element::piecewise::{LEFT_DOWNWARD, LOWER_SHEET};
+use crate::element::piecewise::{LEFT_DOWNWARD, LOWER_SHEET, Piecewise};
 use crate::machine::Machine;
 use crate::signal::{Doubted, Rated, Signal};
 
@@ -19,6 +19,9 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Further from zero than this part of the greatest net, no rounding makes a side positive.
 const NEAR: f64 = 1e-9;
+
+/// How far an angle may go on beyond the cut for rounding, rad.
+const MOST_BEYOND: f64 = 1e-9;
 
 /// The sides of all watched regions at one instant of a step.
 #[derive(Clone, Debug, Default)]
@@ -153,6 +156,17 @@ impl Engine {
         for (noise, side) in noise.iter_mut().zip(doubts) {
             *noise = if side.doubt.is_finite() { side.doubt } else { 0.0 };
         }
+        // What is doubted of a short vector is no reason to let its angle go on beyond the cut.
+        let nets = if node == START { &self.rated_start } else { &self.rated };
+        for (pace, _) in &self.machine.paces {
+            if let Pace::Direction { e, x, .. } = *pace
+                && let Some(side) = self.machine.first_side[e as usize]
+            {
+                let x: Rated = x.of(nets);
+                let noise = &mut self.nodes[node].noise[side as usize];
+                *noise = noise.min(MOST_BEYOND * x.value.abs());
+            }
+        }
     }
 
     /// What rounding leaves undecided of the nets that `rated` holds, at the place `theta` of
@@ -162,8 +176,9 @@ impl Engine {
         for (doubted, rated) in self.doubted.iter_mut().zip(nets) {
             *doubted = Doubted::constant(rated.value);
         }
-        for doubted in &mut self.doubted[..self.step.y0.len()] {
-            doubted.doubt = ROUNDING * doubted.value.abs();
+        for i in 0..self.step.y0.len() {
+            let (value, sunk) = (self.doubted[i].value, self.is_sunk(i));
+            self.doubted[i].doubt = if sunk { self.atol[i] } else { ROUNDING * value.abs() };
         }
         let t_s = if at_start { self.t_s } else { self.step.t0_s + theta * self.step.h_s };
         for op in &self.machine.watch {
@@ -188,8 +203,21 @@ impl Engine {
     }
 }
 
-/// Whether a side is positive: what returns is so only by more than its rounding.
-#[inline(always)]
-pub(super) fn is_beyond(side: Rated, noise: f64) -> bool {
-    side.value > 0.0 && (side.rate >= 0.0 || side.value > noise)
+impl Machine {
+    /// Whether a side is that of an arctangent's sheet: beyond it the angle goes on, so that
+    /// rounding is no reason to leave the sheet, but one to stay (a vector that comes to rest on
+    /// the cut, or touches it, has not crossed it).
+    #[inline(always)]
+    pub(super) fn is_sheet(&self, side: usize) -> bool {
+        let element = self.element_of_side[side];
+        matches!(self.elements[element as usize].1, Piecewise::Sheet { .. })
+    }
+
+    /// Whether a side is positive: what returns is so only by more than its rounding, and so is
+    /// that of a sheet.
+    #[inline(always)]
+    pub(super) fn is_beyond(&self, i: usize, side: Rated, noise: f64) -> bool {
+        side.value > 0.0
+            && (side.value > noise.max(f64::MIN_POSITIVE) || side.rate >= 0.0 && !self.is_sheet(i))
+    }
 }
