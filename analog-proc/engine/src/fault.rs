@@ -112,6 +112,17 @@ pub enum RunFault {
         /// Problem time, s.
         t_s: f64,
     },
+    /// What is to be made linear stands on a corner.
+    #[error(
+        "`{block}` stands on a corner at t = {t_s} s, with one slope before and another after it; \
+         choose an instant beside it, or other initial conditions"
+    )]
+    OnCorner {
+        /// The block.
+        block: String,
+        /// Problem time, s.
+        t_s: f64,
+    },
     /// Whoever attended the run ended it.
     #[error("stopped at t = {t_s} s")]
     Halted {

@@ -5,13 +5,17 @@
 //! differences). What follows from time alone (waveforms, converters' holds, noise, timers) and what is stored
 //! stands still; a transport delay has no finite state and is refused where it takes part.
 
+use crate::element::piecewise::Piecewise;
 use crate::fault::RunFault;
 use crate::id::NetId;
 use crate::machine::Settle;
 use crate::op::{Op, Slot};
 use crate::signal::{Rated, Signal};
 use crate::simulation::Simulation;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, linalg::balancing::balance_parlett_reinsch};
+
+/// A side is on its corner within so many roundings of it: what it allows before it switches.
+const NEAR: f64 = 16.0;
 
 /// The four matrices; states in the order of [`Machine::block_of_state`](crate::machine::Machine),
 /// inputs and outputs as asked. Units are those of the nets, and per second.
@@ -32,7 +36,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`RunFault::Delayed`] where a transport delay takes part, [`RunFault::NoSlope`] where an
-    /// operation has no derivative, as a square root at zero.
+    /// operation has no derivative, as a square root at zero, [`RunFault::OnCorner`] where it has two.
     pub fn linearise(&self, inputs: &[NetId], outputs: &[NetId]) -> Result<Linear, RunFault> {
         let machine = self.machine();
         let slots = |nets: &[NetId]| -> Vec<Slot> {
@@ -46,6 +50,7 @@ impl Simulation {
             c: DMatrix::zeros(outputs.len(), n),
             d: DMatrix::zeros(outputs.len(), inputs.len()),
         };
+        self.expect_no_corner()?;
         for op in machine.settle.iter().filter_map(operation) {
             if let Op::Delay { o, .. } = *op
                 && !inputs.contains(&o)
@@ -84,6 +89,37 @@ impl Simulation {
             }
         }
         Ok(linear)
+    }
+
+    /// A signal that stands on a corner has one slope before and another after it.
+    fn expect_no_corner(&self) -> Result<(), RunFault> {
+        let (machine, engine) = (self.machine(), self.engine());
+        for &e in &machine.watched {
+            let (block, element) = &machine.elements[e as usize];
+            let net = |slot: Slot| engine.nets[slot as usize].abs();
+            // What bends, and how large its corners are.
+            let scale = match element {
+                Piecewise::Curve(curve) => curve.band / f64::EPSILON,
+                Piecewise::DeadZone { width, .. } => net(*width),
+                Piecewise::Limiter { low, high, .. } => net(*low).max(net(*high)),
+                Piecewise::Extremum { start, len, .. } => {
+                    let terms = &machine.terms[*start as usize..(start + len) as usize];
+                    terms.iter().map(|term| net(term.slot) * term.c.abs()).fold(0.0, f64::max)
+                }
+                Piecewise::Cell(_) => 0.0,
+                _ => continue,
+            };
+            let mut is_on_one = false;
+            let region = engine.frozen.region[e as usize];
+            element.sides(region, machine, &engine.nets, &mut |side: f64| {
+                is_on_one |= side.abs() <= NEAR * f64::EPSILON * scale;
+            });
+            if is_on_one {
+                let block = machine.block_name(*block);
+                return Err(RunFault::OnCorner { block, t_s: self.now_s() });
+            }
+        }
+        Ok(())
     }
 
     /// Derivatives of the rates by the states where they stand, per second; delays stand still.
@@ -149,6 +185,9 @@ impl Linear {
     /// Transfer from input `k` to output `i` at s = jω: C (jω − A)⁻¹ B + D. No number at a pole.
     pub fn response(&self, output: usize, input: usize, omega_radps: f64) -> Complex<f64> {
         let n = self.a.nrows();
+        if n == 0 {
+            return Complex::new(self.d[(output, input)], 0.0);
+        }
         let complex = |value: f64| Complex::new(value, 0.0);
         let resolvent = DMatrix::from_fn(n, n, |i, j| {
             let s = if i == j { Complex::new(0.0, omega_radps) } else { complex(0.0) };
@@ -170,15 +209,37 @@ impl Linear {
 
 /// Eigenvalues by their size, the positive imaginary part of a pair first. Empty where an entry is
 /// not finite or the QR iteration gives up.
+///
+/// Those that stand alone (a row or column of nothing but its diagonal, as of integrators in series)
+/// are exact; the rest is balanced by powers of two, so that units do not cost digits: B. N. Parlett
+/// and C. Reinsch, Numer. Math. 13 (1969).
 pub fn eigenvalues(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
     // Bounded, so that no matrix can keep the iteration going for ever.
     const ITERATIONS: usize = 10_000;
     if matrix.is_empty() || matrix.iter().any(|v| !v.is_finite()) {
         return Vec::new();
     }
-    let schur = matrix.clone().try_schur(f64::EPSILON, ITERATIONS);
-    let mut roots: Vec<Complex<f64>> =
-        schur.map_or_else(Vec::new, |schur| schur.complex_eigenvalues().iter().copied().collect());
+    let mut left: Vec<usize> = (0..matrix.nrows()).collect();
+    let mut roots = Vec::new();
+    let stands_alone = |left: &[usize], i: usize| {
+        let others = || left.iter().filter(move |j| **j != i);
+        others().all(|&j| matrix[(i, j)] == 0.0) || others().all(|&j| matrix[(j, i)] == 0.0)
+    };
+    while let Some(place) = left.iter().position(|&i| stands_alone(&left, i)) {
+        let i = left.remove(place);
+        roots.push(Complex::new(matrix[(i, i)], 0.0));
+    }
+    if !left.is_empty() {
+        let mut rest = DMatrix::from_fn(left.len(), left.len(), |i, j| matrix[(left[i], left[j])]);
+        // Its squares must not overflow.
+        if rest.iter().all(|v| v.abs() < 1e150) {
+            balance_parlett_reinsch(&mut rest);
+        }
+        let Some(schur) = rest.try_schur(f64::EPSILON, ITERATIONS) else {
+            return Vec::new();
+        };
+        roots.extend(schur.complex_eigenvalues().iter());
+    }
     let size = |z: &Complex<f64>| libm::hypot(z.re, z.im);
     roots.sort_by(|a, b| size(a).total_cmp(&size(b)).then(b.im.total_cmp(&a.im)));
     roots

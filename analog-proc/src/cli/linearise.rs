@@ -14,7 +14,9 @@ use interface::Tick;
 use nalgebra::{Complex, DMatrix};
 use std::path::PathBuf;
 
-/// Make a patch linear about where it stands.
+/// Make a patch linear about a state of it: roots, matrices, Bode diagram
+///
+/// Make a patch linear about a state of it, every operation differentiated exactly in its region.
 ///
 ///   analog-proc linearise patch-files/van-der-pol.toml
 ///   analog-proc linearise patch-files/rate-servo.toml --input gust --output felt --page bode.html
@@ -43,10 +45,8 @@ pub struct Linearise {
 fn band(text: &str) -> Result<(f64, f64), String> {
     let ends = text.split_once(':').map(|(low, high)| (low.trim().parse(), high.trim().parse()));
     match ends {
-        Some((Ok(low), Ok(high))) if 0.0 < low && low < high && high < f64::INFINITY => {
-            Ok((low, high))
-        }
-        _ => Err("write LOW:HIGH in rad/s, both positive, for example 0.1:100".into()),
+        Some((Ok(low), Ok(high))) if 1e-12 <= low && low < high && high <= 1e12 => Ok((low, high)),
+        _ => Err("write LOW:HIGH in rad/s, from 1e-12 to 1e12, for example 0.1:100".into()),
     }
 }
 
@@ -81,14 +81,27 @@ impl Linearise {
                 "`{name}` is a state, which nothing drives at one instant; name the net that goes into it"
             )));
         }
+        let mut remarks = Vec::new();
         if self.at > Tick::ZERO {
-            simulation.advance_to(self.at).map_err(Failure::input)?;
+            let advance = simulation.advance_to(self.at).map_err(Failure::input)?;
+            let overloads = simulation.overloads().iter();
+            let blocks = &ordered.netlist.blocks;
+            remarks.extend(
+                overloads
+                    .map(|o| format!("overload: {} at {} s", blocks[o.block.index()].name, o.t_s)),
+            );
+            remarks.extend(simulation.remarks().iter().map(ToString::to_string));
+            if advance.stopped_by.is_some() {
+                let at = advance.reached;
+                remarks.push(format!("the run ended at {at} by the patch's overload policy"));
+            }
         }
         let linear = simulation.linearise(&inputs, &outputs).map_err(Failure::input)?;
         let mut outcome = Outcome::new(
             format!("{}: linear about t = {}", ordered.netlist.title, simulation.now()),
             "ẋ = A x + B u, y = C x + D u about that state, regions as they are there.",
         );
+        outcome.remarks = remarks;
         outcome.section("Roots").table("roots", "Roots, by frequency", roots(&linear));
         let points = self.points(&linear);
         if !points.is_empty() {

@@ -49,13 +49,10 @@ struct Cli {
 enum Command {
     /// Check a patch: report all its faults, or its size, order and static check
     Check(check::Check),
-    /// Run a patch by itself and write what is recorded as CSV or Arrow
     Run(run::Run),
-    /// Run a patch once for each setting of its parameters: measures and overlay
     Sweep(sweep::Sweep),
     /// Draw a patch as an SVG wiring diagram in analog-computer symbols
     Draw(draw::Draw),
-    /// Make a patch linear about a state of it: roots, matrices, Bode diagram
     Linearise(linearise::Linearise),
     /// Serve a session: the digital side joins it with `digital-proc --attach NAME`
     Serve(serve::Serve),

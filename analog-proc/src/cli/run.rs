@@ -14,7 +14,7 @@ use engine::{fault::RunFault, simulation::Pulse};
 use interface::Tick;
 use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering};
 
-/// Run a patch by itself
+/// Run a patch by itself: record nets as CSV or Arrow, or look at them on a page
 ///
 /// Run a patch by itself: record nets to a file, or look at them on a page.
 ///

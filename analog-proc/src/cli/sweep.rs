@@ -28,6 +28,8 @@ const MOST_RUNS: usize = 100_000;
 const MOST_ROWS: u64 = 1_000_000;
 /// Two swings may differ by this part for the last to be told as a period.
 const SWINGS_ALIKE: f64 = 1e-2;
+/// Most values kept at once: half a gigabyte.
+const MOST_VALUES: u64 = 1 << 26;
 /// Most runs overlaid in one figure.
 const MOST_DRAWN: usize = 12;
 
@@ -146,18 +148,28 @@ impl Sweep {
         let cases = self.cases()?;
         // The first is compiled here, so that a fault of the patch is told once and in full.
         let first = self.of(&cases[0]);
-        let Compiled { ordered, hash } = first.compile()?;
+        let Compiled { ordered, hash } =
+            first.compile().map_err(|f| self.labelled(&cases[0], f))?;
         let netlist = &ordered.netlist;
         let names: Vec<String> =
             if self.record.is_empty() { super::run::states(&ordered) } else { self.record.clone() };
         let nets = names.iter().map(|n| find_net(&ordered, n)).collect::<Result<Vec<_>, _>>()?;
         let drawn = drawn(cases.len());
+        let rows = (self.until.0 / every.0) as u64 + 1;
+        let kept = if self.page.is_some() { drawn.len() as u64 } else { 0 };
+        let at_once = std::thread::available_parallelism().map_or(1, |n| n.get() as u64) + kept;
+        if rows.saturating_mul(nets.len() as u64).saturating_mul(at_once) > MOST_VALUES {
+            return Err(Failure::input(format!(
+                "{rows} rows of {} nets are more than is kept of a sweep; give a longer --every, or fewer nets with --record",
+                nets.len()
+            )));
+        }
         let interrupted = interrupt_flag().map_err(Failure::input)?;
         let worker = |jobs: Jobs<'_, Result<Row, Failure>>| {
             while let Some(i) = jobs.next() {
                 let run = self.run(&cases[i], &nets, every, jobs.given_up());
                 // Only what is drawn is kept whole.
-                let keep = |row: Row| match drawn.contains(&i) {
+                let keep = |row: Row| match self.page.is_some() && drawn.contains(&i) {
                     true => row,
                     false => Row { times_s: Vec::new(), curves: Vec::new(), ..row },
                 };
@@ -191,7 +203,9 @@ impl Sweep {
             self.table(&names, &cases, &rows),
         );
         let faults = rows.iter().filter(|row| !row.is_whole).count();
-        if faults > 0 {
+        if faults == rows.len() {
+            outcome.refused.push("every run ended early".to_owned());
+        } else if faults > 0 {
             outcome.remarks.push(format!("{faults} of {} runs ended early", rows.len()));
         }
         if let Some(page) = &self.page {
@@ -250,6 +264,10 @@ impl Sweep {
         }
     }
 
+    fn labelled(&self, case: &[f64], failure: Failure) -> Failure {
+        Failure { text: format!("{}: {}", self.label(case), failure.text), ..failure }
+    }
+
     fn label(&self, case: &[f64]) -> String {
         let one = |(set, value): (&(String, Vec<f64>), &f64)| {
             format!("{} = {}", set.0, desk::report::significant(*value, 4))
@@ -264,7 +282,7 @@ impl Sweep {
         every: Tick,
         given_up: &AtomicBool,
     ) -> Result<Row, Failure> {
-        let told = |f: Failure| Failure { text: format!("{}: {}", self.label(case), f.text), ..f };
+        let told = |f: Failure| self.labelled(case, f);
         let Compiled { ordered, .. } = self.of(case).compile().map_err(told)?;
         let mut simulation = ordered.simulation().map_err(|f| told(Failure::input(f)))?;
         let mut times_s = vec![0.0];
@@ -294,7 +312,12 @@ impl Sweep {
         };
         let is_whole = has_ended.is_none();
         let remark = has_ended.into_iter().chain(remarks).collect::<Vec<_>>().join("; ");
-        let measures = curves.iter().map(|curve| Measures::of(&times_s, curve)).collect();
+        let mut measures: Vec<Measures> =
+            curves.iter().map(|curve| Measures::of(&times_s, curve)).collect();
+        if is_whole {
+            // The end need not be a row.
+            measures.iter_mut().zip(nets).for_each(|(of, net)| of.last = simulation.net(*net));
+        }
         Ok(Row { is_whole, remark, measures, times_s, curves })
     }
 

@@ -4,6 +4,7 @@
 //! are taken and transfers take effect ([`crate::session::frame_cycle`]).
 
 use crate::{
+    net::Kind,
     order::Ordered,
     patch,
     session::{board::Board, channels::Channels, frame_cycle, static_check::static_check, sweep},
@@ -215,6 +216,17 @@ impl Loaded {
 
     fn linearise(&self, inputs: &[String], outputs: &[String]) -> Result<LinearModel, String> {
         let (inputs, outputs) = (self.nets(inputs)?, self.nets(outputs)?);
+        let netlist = &self.ordered.netlist;
+        for net in &inputs {
+            let block = &netlist.blocks[netlist.nets[net.index()].driver.index()];
+            // What the digital side sets of it is a factor, not its output.
+            if matches!(block.kind, Kind::Mdac(_)) {
+                return Err(format!(
+                    "`{}` multiplies: the loop through it is not linear",
+                    block.name
+                ));
+            }
+        }
         let linear = self.board.simulation.linearise(&inputs, &outputs);
         let Linear { a, b, c, d } = linear.map_err(|fault| fault.to_string())?;
         let machine = self.board.simulation.machine();

@@ -115,3 +115,47 @@ fn what_has_no_linear_model_is_refused_by_name() {
         );
     }
 }
+
+/// Units may be far apart, and integrators stand in series: neither costs a digit.
+#[test]
+fn roots_are_those_of_the_patch_whatever_its_units() {
+    // (s+1)(s+2)(s+3) + 4 = 0 with the loop gain in two factors of 5e17 and 1e-17.
+    let bench = Bench::new(
+        r#"
+        n = { kind = "integrator", in = ["-5e17 * t", "-1 * n"] }
+        t = { kind = "integrator", in = ["1e-17 * p", "-2 * t"] }
+        p = { kind = "integrator", in = ["0.8 * n", "-3 * p"] }
+        w = { kind = "integrator", in = ["v"] }
+        v = { kind = "integrator", in = ["n"] }
+        "#,
+    );
+    let roots = linear(&bench, &[], &[]).unwrap().roots();
+    assert_eq!((roots[0], roots[1]), (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0)));
+    for s in &roots[2..] {
+        let left = (s + 1.0) * (s + 2.0) * (s + 3.0) + 4.0;
+        assert!(left.norm() < 1e-12, "{s}: {left}");
+    }
+    let empty = Bench::new(
+        r#"
+        a = { kind = "constant", value = 3.0 }
+        square = { kind = "square", in = ["a"] }
+        "#,
+    );
+    let model = linear(&empty, &["a"], &["square"]).unwrap();
+    assert_eq!(model.response(0, 0, 1.0), Complex::new(6.0, 0.0));
+}
+
+#[test]
+fn a_corner_has_two_slopes_and_is_refused() {
+    let mut bench = Bench::new(
+        r#"
+        one = { kind = "constant", value = 1.0 }
+        y = { kind = "integrator", in = ["one", "f"], ic = 0.0 }
+        f = { kind = "function", in = ["y"], x = [-1, 0, 1], y = [-3, 0, -1] }
+        "#,
+    );
+    let fault = linear(&bench, &[], &[]).unwrap_err();
+    assert!(matches!(&fault, RunFault::OnCorner { block, .. } if block == "f"), "{fault}");
+    bench.run(1e-6);
+    assert_eq!(linear(&bench, &[], &[]).unwrap().a[(0, 0)], -1.0);
+}

@@ -8,6 +8,7 @@ use super::{
         plan::LabError,
         theory::{
             C64, equivalent_root, nearest_root,
+            period_map::ORIGIN,
             sampled_loop::{LinearLaw, Plant, period_map},
         },
     },
@@ -15,7 +16,7 @@ use super::{
 };
 use crate::linkage::console::ConsoleFault;
 use interface::{Tick, control::LinearModel, profile::Profile};
-use nalgebra::{ComplexField, DMatrix};
+use nalgebra::{ComplexField, DMatrix, linalg::balancing::balance_parlett_reinsch};
 
 /// Words of a law's memory beyond which its poles are not sought: a second's work.
 const MOST_MEMORY: usize = 300;
@@ -54,15 +55,23 @@ impl Poles {
         };
         let LinearModel { states, a, b, c, d } = model;
         let (n, m, p) = (states.len(), dacs.len(), adcs.len());
-        let plant = Plant {
+        let mut plant = Plant {
             a: DMatrix::from_row_slice(n, n, &a),
             b: DMatrix::from_row_slice(n, m, &b),
             c: DMatrix::from_row_slice(p, n, &c),
             d: DMatrix::from_row_slice(p, m, &d),
         };
+        // x = S z: states in units in which they are alike.
+        if n > 0 && a.iter().all(|v| v.abs() < 1e150) {
+            let scales = balance_parlett_reinsch(&mut plant.a);
+            for (i, scale) in scales.iter().enumerate() {
+                plant.b.row_mut(i).scale_mut(1.0 / scale);
+                plant.c.column_mut(i).scale_mut(*scale);
+            }
+        }
         let (frame_s, latency_s) = (case.frame.secs(), case.latency.secs());
         let map = period_map(&plant, &law, profile.hold().into(), frame_s, latency_s)?;
-        Ok(match map.discrete_roots() {
+        Ok(match map.balanced().discrete_roots() {
             Ok(discrete) => Ok(Poles { discrete, frame_s }),
             Err(fault) => Err(fault.to_string()),
         })
@@ -76,7 +85,8 @@ impl Poles {
     /// The oscillatory root nearest to a measured one, or else the least damped, rad/s.
     pub fn oscillation(&self, measured: Option<C64>) -> Option<C64> {
         let half_rate = std::f64::consts::PI / self.frame_s;
-        let roots = self.discrete.iter().map(|z| equivalent_root(*z, self.frame_s));
+        let modes = self.discrete.iter().filter(|z| z.modulus() > ORIGIN);
+        let roots = modes.map(|z| equivalent_root(*z, self.frame_s));
         let all: Vec<C64> = roots.filter(|s| s.im > 0.0 && s.im < 0.999 * half_rate).collect();
         match measured {
             Some(measured) => nearest_root(&all, measured),

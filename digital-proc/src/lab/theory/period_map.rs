@@ -8,14 +8,14 @@
 
 use super::{C64, Refusal, equivalent_root, nearest_root};
 use crate::matrix_exp::matrix_exp;
-use nalgebra::{ComplexField, DMatrix, Schur};
+use nalgebra::{ComplexField, DMatrix, Schur, linalg::balancing::balance_parlett_reinsch};
 
 /// Roots with |z| below this are memory cells that only shift; ln z means nothing there.
 ///
 /// A chain of k cells has a k-fold root at 0, which rounding spreads to a circle of
 /// radius ε^{1/k}: 6e-6 for three cells, 1e-4 for four. A real mode this small would lose
 /// seven nepers a period and decide nothing.
-const ORIGIN: f64 = 1e-3;
+pub const ORIGIN: f64 = 1e-3;
 
 /// The product so far; shape n×n.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +41,14 @@ impl PeriodMap {
     /// Applies a jump; `jump` is n×n.
     pub fn jump(&mut self, jump: &DMatrix<f64>) {
         self.matrix = jump * &self.matrix;
+    }
+
+    /// The same on states scaled to be alike, so that units cost no digits of the roots.
+    pub fn balanced(mut self) -> PeriodMap {
+        if self.matrix.iter().all(|v| v.abs() < 1e150) {
+            balance_parlett_reinsch(&mut self.matrix);
+        }
+        self
     }
 
     /// Discrete roots z.

@@ -83,9 +83,43 @@ pub fn period_map(
     }
 
     let mut map = PeriodMap::new(size);
+    if latency == frame {
+        // The transfer of the frame before falls on the instant of this sample, which sees the
+        // output as it was.
+        for row in (y..y + 2 * m).chain(last..last + m) {
+            sample.row_mut(row).copy_from(&transfer.row(row));
+        }
+        map.jump(&sample);
+        map.flow(&generator, frame);
+        return Ok(map);
+    }
     map.jump(&sample);
     map.flow(&generator, latency);
     map.jump(&transfer);
     map.flow(&generator, frame - latency);
     Ok(map)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x' = −x + u, m = x + u/2, u = −0.8 m a whole frame late: the sample sees the output before
+    /// the transfer that falls on its instant. With φ = e^{−T}: (z − φ) (z² + 0.4) + 0.8 (1 − φ) z = 0.
+    #[test]
+    fn a_sample_comes_before_the_transfer_of_its_instant() {
+        let one = |value| DMatrix::from_element(1, 1, value);
+        let plant = Plant { a: one(-1.0), b: one(1.0), c: one(1.0), d: one(0.5) };
+        let none = |rows, columns| DMatrix::zeros(rows, columns);
+        let law = LinearLaw { f: none(0, 0), g: none(0, 1), h: none(1, 0), j: one(-0.8) };
+        let map = period_map(&plant, &law, Hold::ZeroOrder, 0.1, 0.1).unwrap();
+        let phi = libm::exp(-0.1);
+        let roots = map.discrete_roots().unwrap();
+        let at_all = roots.iter().filter(|z| z.norm_sqr() > 1e-12);
+        assert_eq!(at_all.clone().count(), 3);
+        for z in at_all {
+            let left = (z - phi) * (z * z + 0.4) + z * (0.8 * (1.0 - phi));
+            assert!(left.norm_sqr() < 1e-24, "{z}: {left}");
+        }
+    }
 }
