@@ -9,6 +9,8 @@
 //! the reference run is repeated with every number of the patch off by 1e-9 (and by 1e-11), and
 //! a net is *sensitive* where the difference is less than ten times what that changes: the
 //! answer is then the exact one of a patch within the 1e-8 that the default settings claim.
+//!
+//! It is long, but one judgement: each excuse rests on the ones before it.
 
 use crate::bench::ordered;
 use crate::patch::Patch;
