@@ -32,7 +32,7 @@ const TIP: usize = 3;
 
 fn points() -> Vec<FrozenPoint> {
     let vehicle = Vehicle::shipped().unwrap();
-    let slices = slice::points(&vehicle, &[("lift-off", 2.0), ("max-q", 32.5)]).unwrap();
+    let slices = slice::points(&vehicle, &[("tips", 20.0), ("max-q", 32.5)]).unwrap();
     slices.iter().map(|s| FrozenPoint::new(&vehicle, s, &s.settings.gains)).collect()
 }
 

@@ -40,7 +40,7 @@ fn a_run_is_seen_with_one_command() {
         (["--xy", "x"], "write two nets"),
         (["--xy", "x:zz"], "`zz`"),
         (["--plot", "clok"], "`clock`"),
-        (["--page", &decay], "the patch itself"),
+        (["--page", &decay], "ending in .html"),
         (["--page", "-"], ".html"),
     ] {
         let args = [&["run", &decay, "--until", "2s"], &args[..]].concat();

@@ -96,7 +96,7 @@ fn find_net(ordered: &Ordered, name: &str) -> Result<NetId, Failure> {
 
 /// Refuses a page that is no file of its own.
 fn expect_page(page: &Path, patch: &Path) -> Result<(), Failure> {
-    if page.as_os_str() == "-" {
+    if page.extension().is_none_or(|e| e != "html") {
         return Err(Failure::input("--page takes the name of a file, ending in .html"));
     }
     expect_output(page, patch, &["html"])

@@ -246,13 +246,20 @@ impl Table {
         writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))
     }
 
-    /// The table for machines: an array of objects keyed by [`Heading::key`]; a number that is
-    /// not finite becomes null.
+    /// The table for machines: an array of objects keyed by [`Heading::key`], with `_2` and so on
+    /// behind one that stands there already; a number that is not finite becomes null.
     pub fn json(&self) -> serde_json::Value {
+        let mut keys: Vec<String> = Vec::with_capacity(self.headings.len());
+        for heading in &self.headings {
+            let key = heading.key();
+            let others = (2..).map(|n| format!("{key}_{n}"));
+            let free = std::iter::once(key.clone()).chain(others).find(|key| !keys.contains(key));
+            keys.extend(free);
+        }
         self.rows
             .iter()
             .map(|row| {
-                let pairs = self.headings.iter().zip(row).map(|(heading, cell)| {
+                let pairs = keys.iter().zip(row).map(|(key, cell)| {
                     let value = match cell {
                         Cell::Number(value) => serde_json::Value::from(*value),
                         Cell::Text(text) | Cell::Link(text, _) => {
@@ -260,7 +267,7 @@ impl Table {
                         }
                         Cell::Missing => serde_json::Value::Null,
                     };
-                    (heading.key(), value)
+                    (key.clone(), value)
                 });
                 serde_json::Value::Object(pairs.collect())
             })
@@ -316,5 +323,13 @@ mod tests {
         let json = sample().json();
         assert_eq!(json[0]["maximum_kpa"], 94.871_23);
         assert!(json[1]["maximum_kpa"].is_null());
+    }
+
+    #[test]
+    fn no_column_is_lost_to_another_of_the_same_key() {
+        let headings = ["x", "X", "x 2"].map(|label| Heading::new(label, "")).to_vec();
+        let mut table = Table::new(headings);
+        table.row([1.0, 2.0, 3.0].map(Cell::from));
+        assert_eq!(table.json()[0], serde_json::json!({ "x": 1.0, "x_2": 2.0, "x_2_2": 3.0 }));
     }
 }
