@@ -49,7 +49,7 @@ const MOST_DRAWN: usize = 12;
 pub struct Sweep {
     /// The patch file
     patch: PathBuf,
-    /// Values of a parameter: a list, or LOW:HIGH:COUNT[:log]; may be repeated
+    /// Values of a parameter: a list, LOW:HIGH:COUNT, or LOW:HIGH:COUNT:log; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUES", value_parser = values, required = true)]
     sets: Vec<(String, Vec<f64>)>,
     /// Problem time to stop at, e.g. 20s
