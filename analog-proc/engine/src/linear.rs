@@ -72,19 +72,14 @@ impl Simulation {
             linear.b.column_mut(k).copy_from_slice(&rates);
             linear.d.column_mut(k).copy_from_slice(&answers);
         }
-        let no_slope = |row: &nalgebra::DMatrixView<'_, f64>| row.iter().any(|v| !v.is_finite());
-        for state in 0..n {
-            if no_slope(&linear.a.rows(state, 1).as_view())
-                || no_slope(&linear.b.rows(state, 1).as_view())
-            {
-                let block = machine.block_name(machine.block_of_state[state]);
-                return Err(RunFault::NoSlope { block, t_s: self.now_s() });
-            }
-        }
-        for (k, output) in outputs.iter().enumerate() {
-            if no_slope(&linear.c.rows(k, 1).as_view()) || no_slope(&linear.d.rows(k, 1).as_view())
-            {
-                let block = machine.block_name(machine.block_of_slot[*output as usize]);
+        let of_states = machine.block_of_state.iter().copied();
+        let of_outputs = outputs.iter().map(|slot| machine.block_of_slot[*slot as usize]);
+        let states = of_states.enumerate().map(|row| (row, &linear.a, &linear.b));
+        let answers = of_outputs.enumerate().map(|row| (row, &linear.c, &linear.d));
+        for ((i, block), by_states, by_inputs) in states.chain(answers) {
+            let (by_states, by_inputs) = (by_states.row(i), by_inputs.row(i));
+            if by_states.iter().chain(by_inputs.iter()).any(|slope| !slope.is_finite()) {
+                let block = machine.block_name(block);
                 return Err(RunFault::NoSlope { block, t_s: self.now_s() });
             }
         }

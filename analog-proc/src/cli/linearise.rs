@@ -1,6 +1,6 @@
 //! `analog-proc linearise`: the linear model of a patch about a state of it, its roots and its Bode diagram.
 
-use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, write_page};
+use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, happenings, write_page};
 use desk::{
     failure::Failure,
     outcome::{Figure, Outcome},
@@ -84,13 +84,7 @@ impl Linearise {
         let mut remarks = Vec::new();
         if self.at > Tick::ZERO {
             let advance = simulation.advance_to(self.at).map_err(Failure::input)?;
-            let overloads = simulation.overloads().iter();
-            let blocks = &ordered.netlist.blocks;
-            remarks.extend(
-                overloads
-                    .map(|o| format!("overload: {} at {} s", blocks[o.block.index()].name, o.t_s)),
-            );
-            remarks.extend(simulation.remarks().iter().map(ToString::to_string));
+            remarks = happenings(&ordered, &simulation);
             if advance.stopped_by.is_some() {
                 let at = advance.reached;
                 remarks.push(format!("the run ended at {at} by the patch's overload policy"));
@@ -102,8 +96,9 @@ impl Linearise {
             "ẋ = A x + B u, y = C x + D u about that state, regions as they are there.",
         );
         outcome.remarks = remarks;
-        outcome.section("Roots").table("roots", "Roots, by frequency", roots(&linear));
-        let points = self.points(&linear);
+        let roots = linear.roots();
+        outcome.section("Roots").table("roots", "Roots, by frequency", roots_table(&roots));
+        let points = self.points(&linear, &roots);
         if !points.is_empty() {
             outcome.section("Frequency response").long_table(
                 "bode",
@@ -134,9 +129,9 @@ impl Linearise {
     }
 
     /// All pairs of input and output at a hundred frequencies a decade.
-    fn points(&self, linear: &Linear) -> Vec<Point> {
+    fn points(&self, linear: &Linear, roots: &[Complex<f64>]) -> Vec<Point> {
         const A_DECADE: f64 = 100.0;
-        let sizes = || linear.roots().into_iter().map(size).filter(|size| *size > 0.0);
+        let sizes = || roots.iter().map(|z| size(*z)).filter(|size| *size > 0.0);
         let slowest = sizes().fold(f64::INFINITY, f64::min);
         let fastest = sizes().fold(0.0, f64::max);
         let default = if fastest > 0.0 { (slowest / 10.0, fastest * 10.0) } else { (0.01, 100.0) };
@@ -173,7 +168,7 @@ fn size(z: Complex<f64>) -> f64 {
     libm::hypot(z.re, z.im)
 }
 
-fn roots(linear: &Linear) -> Table {
+fn roots_table(roots: &[Complex<f64>]) -> Table {
     let columns: [Column<Complex<f64>>; 5] = [
         Column::of("Real part", "1/s", 6, |z| z.re.into()),
         Column::of("Imaginary part", "rad/s", 6, |z| z.im.into()),
@@ -187,7 +182,7 @@ fn roots(linear: &Linear) -> Table {
             re => (-1.0 / re).into(),
         }),
     ];
-    Table::of(&columns, &linear.roots())
+    Table::of(&columns, roots)
 }
 
 fn bode(points: &[Point]) -> Table {

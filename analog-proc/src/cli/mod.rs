@@ -14,13 +14,12 @@ use crate::order::Ordered;
 use clap::{Args, Parser, Subcommand};
 use desk::{
     failure::Failure,
-    faults::suggestion,
     outcome::Outcome,
     report::{Column, Table},
     run_dir::{PatchIdentity, RunRecord, UtcSecond},
     shell::{self, Manual},
 };
-use engine::id::NetId;
+use engine::{id::NetId, overload::LatchedOverload, simulation::Simulation};
 use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
@@ -86,12 +85,17 @@ fn parameter(text: &str) -> Result<(String, f64), String> {
 
 /// The net of that name.
 fn find_net(ordered: &Ordered, name: &str) -> Result<NetId, Failure> {
-    let nets = &ordered.netlist.nets;
-    let place = nets.iter().position(|net| net.name == name);
-    place.map(|i| NetId(i as u32)).ok_or_else(|| {
-        let help = suggestion(name, nets.iter().map(|net| net.name.as_str()));
-        Failure::input(format!("the patch has no net `{name}`; {help}"))
-    })
+    ordered.netlist.net(name).map_err(Failure::input)
+}
+
+/// Overloads and remarks of a run, in words.
+fn happenings(ordered: &Ordered, simulation: &Simulation) -> Vec<String> {
+    let overload = |o: &LatchedOverload| {
+        format!("overload: {} at {} s", ordered.netlist.blocks[o.block.index()].name, o.t_s)
+    };
+    let remarks = simulation.remarks();
+    let remarks = remarks.iter().map(ToString::to_string);
+    simulation.overloads().iter().map(overload).chain(remarks).collect()
 }
 
 /// Refuses a page that is no file of its own.

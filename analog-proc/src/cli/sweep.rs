@@ -1,6 +1,6 @@
 //! `analog-proc sweep`: the same patch with other parameters, run after run, measured and overlaid.
 
-use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, write_page};
+use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, happenings, write_page};
 use desk::{
     command_line::interrupt_flag,
     failure::Failure,
@@ -11,7 +11,7 @@ use desk::{
         plot::{Axis, LineChart, Series},
     },
 };
-use engine::{fault::RunFault, id::NetId, overload::LatchedOverload};
+use engine::{fault::RunFault, id::NetId};
 use interface::{
     Tick,
     side_by_side::{Jobs, side_by_side},
@@ -299,19 +299,17 @@ impl Sweep {
         let end =
             simulation
                 .advance_recording_attended(self.until, every, nets, &mut sink, &mut |_| go_on());
-        let blocks = &ordered.netlist.blocks;
-        let overload = |o: &LatchedOverload| {
-            format!("overload: {} at {} s", blocks[o.block.index()].name, o.t_s)
-        };
-        let mut remarks: Vec<String> = simulation.overloads().iter().map(overload).collect();
-        remarks.extend(simulation.remarks().iter().map(ToString::to_string));
         let has_ended = match end {
             Ok(advance) => advance.stopped_by.map(|_| format!("ended at {}", advance.reached)),
             Err(fault @ RunFault::Halted { .. }) => return Err(Failure::interrupted(fault)),
             Err(fault) => Some(fault.to_string()),
         };
         let is_whole = has_ended.is_none();
-        let remark = has_ended.into_iter().chain(remarks).collect::<Vec<_>>().join("; ");
+        let remark = has_ended
+            .into_iter()
+            .chain(happenings(&ordered, &simulation))
+            .collect::<Vec<_>>()
+            .join("; ");
         let mut measures: Vec<Measures> =
             curves.iter().map(|curve| Measures::of(&times_s, curve)).collect();
         if is_whole {

@@ -5,6 +5,7 @@
 //! All numbers are in problem units; parameters are already put in.
 
 pub use crate::block::kind::{Kind, Wave};
+use desk::faults::suggestion;
 pub use desk::reader::Span;
 use engine::{
     id::{BlockId, NetId},
@@ -85,4 +86,15 @@ pub struct Netlist {
     pub expected: Vec<Expected>,
     /// Parameters after overriding, by name (root file only).
     pub params: Vec<(String, f64)>,
+}
+
+impl Netlist {
+    /// The net of that name, or what to write instead.
+    pub fn net(&self, name: &str) -> Result<NetId, String> {
+        let place = self.nets.iter().position(|net| net.name == name);
+        place.map(|i| NetId(i as u32)).ok_or_else(|| {
+            let help = suggestion(name, self.nets.iter().map(|net| net.name.as_str()));
+            format!("the patch has no net `{name}`; {help}")
+        })
+    }
 }

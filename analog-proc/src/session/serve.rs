@@ -10,7 +10,6 @@ use crate::{
     session::{board::Board, channels::Channels, frame_cycle, static_check::static_check, sweep},
     tolerance,
 };
-use desk::faults::suggestion;
 use engine::{id::NetId, linear::Linear};
 use interface::{
     Tick,
@@ -203,15 +202,7 @@ impl Loaded {
     }
 
     fn nets(&self, names: &[String]) -> Result<Vec<NetId>, String> {
-        let nets = &self.ordered.netlist.nets;
-        let find = |name: &String| match nets.iter().position(|net| net.name == *name) {
-            Some(i) => Ok(NetId(i as u32)),
-            None => Err(format!(
-                "the patch has no net `{name}`; {}",
-                suggestion(name, nets.iter().map(|net| net.name.as_str()))
-            )),
-        };
-        names.iter().map(find).collect()
+        names.iter().map(|name| self.ordered.netlist.net(name)).collect()
     }
 
     fn linearise(&self, inputs: &[String], outputs: &[String]) -> Result<LinearModel, String> {

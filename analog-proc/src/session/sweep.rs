@@ -20,6 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Samples that one request may ask for: half a gigabyte.
 const MOST_VALUES: u64 = 1 << 26;
+
 /// Runs a sweep over the board as it stands, which stays as it is.
 ///
 /// # Errors

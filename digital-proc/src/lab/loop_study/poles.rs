@@ -13,6 +13,7 @@ use super::{
         },
     },
     LoopCase, LoopStudy,
+    row::oscillates,
 };
 use crate::linkage::console::ConsoleFault;
 use interface::{Tick, control::LinearModel, profile::Profile};
@@ -84,10 +85,9 @@ impl Poles {
 
     /// The oscillatory root nearest to a measured one, or else the least damped, rad/s.
     pub fn oscillation(&self, measured: Option<C64>) -> Option<C64> {
-        let half_rate = std::f64::consts::PI / self.frame_s;
         let modes = self.discrete.iter().filter(|z| z.modulus() > ORIGIN);
         let roots = modes.map(|z| equivalent_root(*z, self.frame_s));
-        let all: Vec<C64> = roots.filter(|s| s.im > 0.0 && s.im < 0.999 * half_rate).collect();
+        let all: Vec<C64> = roots.filter(|s| oscillates(*s, self.frame_s)).collect();
         match measured {
             Some(measured) => nearest_root(&all, measured),
             None => all.into_iter().max_by(|a, b| a.re.total_cmp(&b.re)),

@@ -172,11 +172,10 @@ fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, Refusal> 
     if fit > (WORST_FIT + STEPS_LEFT * step / rms).min(WORST_FIT_OF_ALL) {
         return Ok(Err(Remark::NotOneDecay { fit }));
     }
-    let half_rate = std::f64::consts::PI / period_s;
     let least_energy = (ABOVE_THE_REST * fit).powi(2) * all.record_energy;
     let oscillating = (0..z.len())
         .map(|k| (equivalent_root(z[k], period_s), all.energy[k]))
-        .filter(|(s, energy)| s.im > 0.0 && s.im < 0.999 * half_rate && *energy > least_energy);
+        .filter(|(s, energy)| oscillates(*s, period_s) && *energy > least_energy);
     let found = if step > 0.0 {
         // Noise has modes of its own, some of them undamped: the record's is the strongest.
         oscillating.max_by(|a, b| a.1.total_cmp(&b.1))
@@ -191,6 +190,11 @@ fn mode(record: &[f64], period_s: f64) -> Result<Result<Told, Remark>, Refusal> 
         }
         None => Err(Remark::NoOscillation { fit }),
     })
+}
+
+/// Whether a root swings, and is no alternation from frame to frame.
+pub(super) fn oscillates(s: C64, period_s: f64) -> bool {
+    s.im > 0.0 && s.im < 0.999 * (std::f64::consts::PI / period_s)
 }
 
 fn peak(part: &[f64]) -> f64 {
