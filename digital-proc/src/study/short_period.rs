@@ -16,6 +16,7 @@ pub mod linear;
 pub mod machine;
 pub mod measure;
 pub mod metrics;
+pub mod moment;
 pub mod outcome;
 pub mod paper;
 pub mod places;

@@ -13,20 +13,38 @@ pub struct ModalResponse {
 }
 
 impl ModalResponse {
+    /// Greatest |η̈| (m/s²) that the next `interval_s` can bring: a straight line forces none, and
+    /// what is left decays freely, its energy η̇² + ω²η² never growing, while
+    /// |η̈| = |2ζωη̇ + ω²η| ≤ (1 + 2ζ)ω√(η̇² + ω²η²).
+    pub fn acceleration_bound_mps2(
+        &self,
+        frequency_radps: f64,
+        damping: f64,
+        interval_s: f64,
+        force: [f64; 2],
+    ) -> f64 {
+        let [x, v] = self.free(frequency_radps, damping, interval_s, force);
+        let (w, energy) = (frequency_radps, v * v + (frequency_radps * x).powi(2));
+        (1.0 + 2.0 * damping) * w * energy.sqrt()
+    }
+
+    /// η and η̇ less those of the straight line's own answer, η_p = f/ω² − 2ζ ḟ/ω³.
+    fn free(&self, w: f64, damping: f64, interval_s: f64, [before, now]: [f64; 2]) -> [f64; 2] {
+        let ramp = (now - before) / (interval_s * w * w);
+        [self.displacement_m - before / (w * w) + 2.0 * damping * ramp / w, self.rate_mps - ramp]
+    }
+
     /// Goes on by `interval_s`, in which the force per mass goes from `before` to `now`, m/s².
     pub fn advance(
         &mut self,
         frequency_radps: f64,
         damping: f64,
         interval_s: f64,
-        [before, now]: [f64; 2],
+        force: [f64; 2],
     ) {
-        let (w, h) = (frequency_radps, interval_s);
-        let spring = w * w;
-        let ramp = (now - before) / h;
-        // The straight line's own answer: η_p = f/ω² − 2ζ ḟ/ω³.
-        let lag = 2.0 * damping * ramp / (w * spring);
-        let (x, v) = (self.displacement_m - before / spring + lag, self.rate_mps - ramp / spring);
+        let (w, h, spring) = (frequency_radps, interval_s, frequency_radps * frequency_radps);
+        let [x, v] = self.free(w, damping, h, force);
+        let (now, ramp) = (force[1] / spring, (force[1] - force[0]) / (h * spring));
         // What is left decays freely: e^{−ζωt} times cos and sin(ω_d t)/ω_d, hyperbolic beyond ζ = 1.
         let (drag, square) = (damping * w, spring * (1.0 - damping * damping));
         let own = square.abs().sqrt();
@@ -41,8 +59,9 @@ impl ModalResponse {
             let decay = libm::exp(-drag * h);
             (decay, decay * h)
         };
-        self.displacement_m = (cosine + drag * sine) * x + sine * v + now / spring - lag;
-        self.rate_mps = (cosine - drag * sine) * v - spring * sine * x + ramp / spring;
+        self.displacement_m =
+            (cosine + drag * sine) * x + sine * v + now - 2.0 * damping * ramp / w;
+        self.rate_mps = (cosine - drag * sine) * v - spring * sine * x + ramp;
     }
 
     /// η̈ under a force per mass, m/s².
