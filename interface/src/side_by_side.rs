@@ -15,6 +15,8 @@ const LOOK: Duration = Duration::from_millis(2);
 
 /// What a worker takes its jobs from and brings its results to.
 pub struct Jobs<'a, T> {
+    /// Which of the workers this is, from 0.
+    pub worker: usize,
     count: usize,
     next: &'a AtomicUsize,
     given_up: &'a AtomicBool,
@@ -55,9 +57,9 @@ pub fn side_by_side<T: Send, E>(
     let (next, given_up) = (AtomicUsize::new(0), AtomicBool::new(false));
     thread::scope(|scope| {
         let (results, receiver) = sync_channel(processors);
-        for _ in 0..processors.min(count) {
+        for number in 0..processors.min(count) {
             let (next, given_up) = (&next, &given_up);
-            let jobs = Jobs { count, next, given_up, results: results.clone() };
+            let jobs = Jobs { worker: number, count, next, given_up, results: results.clone() };
             scope.spawn(|| worker(jobs));
         }
         drop(results);
