@@ -99,6 +99,11 @@ impl<'p> Console<'p> {
         self.fellow.clone()
     }
 
+    /// Fails where the partner has gone or this side is interrupted, while nothing is asked of it.
+    pub fn attend(&mut self) -> Result<(), ConsoleFault> {
+        Ok(self.port.attend()?)
+    }
+
     /// Uploads a patch; the machine goes to IC.
     ///
     /// # Errors

@@ -77,16 +77,15 @@ pub struct Started {
 pub struct Fellow {
     link: LinkChoice,
     analog: AnalogEntry,
-    interrupted: Arc<AtomicBool>,
 }
 
 impl Fellow {
-    /// Starts it with nothing loaded.
+    /// Starts it with nothing loaded; it gives up once `interrupted` is set.
     ///
     /// # Errors
     /// [`LaunchFault`], as of the first one.
-    pub fn start(&self) -> Result<Started, LaunchFault> {
-        Started::new(&self.link, self.analog, self.interrupted.clone())
+    pub fn start(&self, interrupted: &Arc<AtomicBool>) -> Result<Started, LaunchFault> {
+        Started::new(&self.link, self.analog, interrupted.clone())
     }
 
     /// Whether it is a pair of processes.
@@ -110,8 +109,8 @@ impl Started {
         analog: AnalogEntry,
         interrupted: Arc<AtomicBool>,
     ) -> Result<Started, LaunchFault> {
-        let patience = Patience::interrupted_by(interrupted.clone());
-        let fellow = Some(Fellow { link: link.clone(), analog, interrupted });
+        let patience = Patience::interrupted_by(interrupted);
+        let fellow = Some(Fellow { link: link.clone(), analog });
         if *link != LinkChoice::Memory {
             expect_files().map_err(LaunchFault::Files)?;
         }

@@ -64,6 +64,10 @@ impl DigitalPort for Direct {
             detail: "the run ended without a last frame".to_owned(),
         })
     }
+
+    fn attend(&mut self) -> Result<(), LinkFault> {
+        self.patience.check_interrupt(self.protocol.frame())
+    }
 }
 
 /// The digital side as the frame cycle meets it.

@@ -162,7 +162,7 @@ fn fly_all(
     let worker = |jobs: Jobs<'_, Result<Answer, StudyFault>>| {
         let _kept = fellow.is_pair().then(|| processor::share(jobs.worker));
         let work = || {
-            let mut machine = fellow.start()?;
+            let mut machine = fellow.start(jobs.given_up())?;
             let mut console = Console::new(&mut machine);
             let patch = plan.patch.clone();
             let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, patch)?;
@@ -184,7 +184,7 @@ fn fly_all(
             done += 1;
             progress(done);
         }
-        Ok::<_, StudyFault>(())
+        Ok::<_, StudyFault>(console.attend()?)
     })?;
     answers.into_iter().collect::<Option<_>>().ok_or(StudyFault::LostFlight)
 }
