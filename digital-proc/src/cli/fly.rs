@@ -10,6 +10,10 @@ use crate::{
     },
     linkage::console::Console,
     report::{block_diagram, flight::ten_variables, pacing},
+    study::bending_moment::{
+        self,
+        flight::{Beside, FlightMoments},
+    },
 };
 use desk::{
     failure::Failure,
@@ -20,7 +24,9 @@ use desk::{
 };
 use interface::Tick;
 use std::path::PathBuf;
-use vehicle::{Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary};
+use vehicle::{
+    Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary, structure::Structure,
+};
 
 /// Fly the first stage from lift-off to burn-out.
 #[derive(clap::Args)]
@@ -119,7 +125,12 @@ impl Fly {
                 Timing::Wall
             }
         };
-        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut recorder);
+        let structure = Structure::new(&vehicle);
+        let misalignment = [plan.case.pitch_misalignment, plan.case.yaw_misalignment];
+        let moments = FlightMoments::new(&structure, misalignment);
+        let mut watched = Beside { observer: &mut recorder, moments };
+        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut watched);
+        let moments = watched.moments.finish();
         let paced = recorder.pacing.clone();
         let closed = recorder.finish();
         let summary = flown.map_err(|fault| {
@@ -147,6 +158,7 @@ impl Fly {
         let limit = vehicle.data().limits.q_alpha_padeg;
         let figures = ten_variables(&run.directory.read_trace_thinned()?, limit)?;
         outcome.section("The ten monitored variables").beside(figures);
+        bending_moment::flight::fill(&moments, &mut outcome);
         outcome.section("Partition").figure(Figure::new(
             "partition",
             "Who computes what: control dynamics in the analog processor, trajectory dynamics in the digital one.",

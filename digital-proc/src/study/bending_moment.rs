@@ -6,6 +6,7 @@
 //! is exact ([`vehicle::modal_response`]); the greatest moments are sought between them too, since
 //! the third mode turns round in two samples of 20 ms.
 
+pub mod flight;
 pub mod outcome;
 
 use vehicle::{
@@ -152,7 +153,8 @@ impl<const N: usize> Recorder<N> {
             beam.add_quasi_static(loads, moment_nm);
         }
         self.found.quasi_static.observe(time_s, &self.now.quasi_static_nm);
-        if let Some(before) = self.before.take() {
+        // On the wall clock a sample may come with no time since that before.
+        if let Some(before) = self.before.take().filter(|before| time_s > before.time_s) {
             self.advance(&before, beam);
             self.before = Some(before);
         }

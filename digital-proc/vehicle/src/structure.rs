@@ -284,6 +284,11 @@ impl Structure {
         &self.stations_m
     }
 
+    /// Whose structure it is.
+    pub fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
     /// Index of the station nearest to `x_m`.
     pub fn nearest(&self, x_m: f64) -> usize {
         let n = ((x_m - self.stations_m[0]) * STATIONS_PER_M).round().max(0.0) as usize;

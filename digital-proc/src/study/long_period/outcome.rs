@@ -3,6 +3,7 @@
 
 use super::{
     claims::{DEPARTURES, FIGURE_8, LOADS, MODES, Q_ALPHA, judge},
+    moment,
     results::{Departure, Flown, LongPeriodResults, ModeResult},
 };
 use crate::study::gain_design::schedule::charts;
@@ -64,6 +65,7 @@ pub fn fill(results: &LongPeriodResults, step: Tick, out: &mut Outcome) {
             }),
         )
         .long_table("flights", "Every flight at burn-out.", flight_table(results));
+    moment::fill(results, out);
     schedules(results, out);
     fuel(results, out);
     for (mode, flown) in results.modes.iter().flat_map(|m| m.all_flights().map(move |f| (m, f))) {

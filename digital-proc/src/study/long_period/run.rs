@@ -16,7 +16,7 @@ use crate::{
         console::{Console, ConsoleFault},
         executive::Rate,
     },
-    study::fault::StudyFault,
+    study::{bending_moment::flight::FlightMoments, fault::StudyFault},
 };
 use interface::{
     Tick,
@@ -31,6 +31,7 @@ use vehicle::{
     flight_mode::{FlightScript, Schedule},
     flight_summary::FlightSample,
     reference::FlightCase,
+    structure::Structure,
     wind::{SyntheticWind, Wind},
 };
 
@@ -49,6 +50,8 @@ pub struct LongPeriodPlan {
     pub envelope: Vec<f64>,
     /// Whether the wind is also reversed, and strong.
     pub reversed: bool,
+    /// Whether bending moments are found in the flights that are shown.
+    pub moments: bool,
     /// Trajectory step.
     pub step: Tick,
     /// Fast frames in it.
@@ -71,6 +74,7 @@ impl LongPeriodPlan {
             modes,
             envelope: ENVELOPE.to_vec(),
             reversed: true,
+            moments: true,
             step: Tick(100_000_000),
             slow: Rate::every(5).unwrap_or(Rate::FAST),
             latency: None,
@@ -122,7 +126,7 @@ pub fn run(
     let mut flown = fly_all(console, vehicle, plan, &flights, progress)?.into_iter();
     let mut next = || flown.next().ok_or(StudyFault::LostFlight);
     let (undisturbed, nominal_history) = next()?;
-    let nominal = undisturbed.ended.map_err(StudyFault::NominalLost)?;
+    let nominal = undisturbed.ended.clone().map_err(StudyFault::NominalLost)?;
     let mut modes = Vec::with_capacity(scripts.len());
     for script in &scripts {
         let (flown, history) = next()?;
@@ -142,6 +146,7 @@ pub fn run(
     let data = vehicle.data();
     Ok(LongPeriodResults {
         accept: Acceptance::new(vehicle),
+        undisturbed,
         nominal,
         nominal_history,
         sound,
@@ -217,6 +222,9 @@ pub struct Bench<'a> {
     design_wind: Wind,
     reversed_wind: Wind,
     strong_wind: Wind,
+    structure: Option<Structure>,
+    /// Misalignments of the design case.
+    design: [f64; 2],
 }
 
 impl<'a> Bench<'a> {
@@ -243,6 +251,8 @@ impl<'a> Bench<'a> {
             design_wind: Wind::design_case(vehicle)?,
             reversed_wind: scaled(-1.0)?,
             strong_wind: scaled(STRONG)?,
+            structure: plan.moments.then(|| Structure::new(vehicle)),
+            design: [data.long_period_case.misalign_pitch, data.long_period_case.misalign_yaw],
         })
     }
 
@@ -280,6 +290,13 @@ impl<'a> Bench<'a> {
             alpha: self.plan.alpha,
             profile: self.plan.profile.clone(),
         };
+        let shown = match wind {
+            FlightWind::Calm => true,
+            FlightWind::DesignCase => misalignment == self.design,
+            FlightWind::Reversed | FlightWind::Strong => false,
+        };
+        let structure = self.structure.as_ref().filter(|_| shown);
+        let mut moments = structure.map(|s| FlightMoments::new(s, misalignment));
         let mut history = Vec::new();
         let slow = self.plan.slow;
         let flown = self.stage.fly(
@@ -291,6 +308,9 @@ impl<'a> Bench<'a> {
                 if slow.due(frame.frame) {
                     history.push(result.sample);
                 }
+                if let Some(moments) = &mut moments {
+                    moments.observe(result);
+                }
             },
         );
         let ended = match flown {
@@ -301,7 +321,8 @@ impl<'a> Bench<'a> {
             ) => Err(fault.to_string()),
             Err(fault) => return Err(fault.into()),
         };
-        let flown = Flown { wind, misalignment, ended };
+        let moments = moments.map(FlightMoments::finish);
+        let flown = Flown { wind, misalignment, ended, moments };
         Ok((flown, history))
     }
 }
