@@ -7,6 +7,7 @@ use super::{BendingMoments, Recorder, outcome as show};
 use crate::flight::{FrameResult, Observer};
 use desk::{outcome::Outcome, report::Table, report::plot::Series, run_dir::RunDirError};
 use interface::frame::{Samples, Updates};
+use std::rc::Rc;
 use vehicle::structure::{Applied, Loads, Structure, StructureError};
 
 /// Finds the moments of a flight frame by frame.
@@ -30,7 +31,7 @@ impl<'s> FlightMoments<'s> {
         let (sample, airframe) = (&result.sample, &result.airframe);
         let applied = Applied::new(self.structure.vehicle(), sample.time_s, airframe);
         let beam = match self.structure.beam(&applied) {
-            Ok(beam) => beam,
+            Ok(beam) => Rc::new(beam),
             Err(error) => {
                 self.refused.get_or_insert(error);
                 return;
@@ -149,4 +150,80 @@ pub fn fill(moments: &Result<BendingMoments<2>, StructureError>, out: &mut Outco
             "Greatest bending moment over the flight, with the modes and without, and with them at ten stations.",
             table,
         );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::bending_moment::Met;
+    use vehicle::{
+        Vehicle,
+        flight_mode::FlightMode,
+        flight_summary::FlightSample,
+        reference::{FlightCase, fly},
+        trajectory::surroundings,
+    };
+
+    /// The design case of the sound vehicle flown by the second formulation and sampled every so
+    /// many milliseconds: its moments in pitch, and in both planes.
+    fn design_case(cross: f64, every: u32) -> (BendingMoments<1>, BendingMoments<2>) {
+        let mut data = Vehicle::shipped().unwrap().data().clone();
+        data.wind.cross_fraction *= cross;
+        let vehicle = Vehicle::from_data(data).unwrap();
+        let structure = Structure::new(&vehicle);
+        let case = FlightCase::design(&vehicle, FlightMode::Normal.script()).unwrap();
+        let (mut pitch, mut both) = (Recorder::new(&structure), Recorder::new(&structure));
+        let mut count = 0;
+        let observe = |sample: &FlightSample| {
+            count += 1;
+            if (count - 1) % every != 0 {
+                return;
+            }
+            let (_, airframe) =
+                surroundings(&vehicle, &case.wind, sample.time_s, &sample.trajectory).unwrap();
+            let applied = Applied::new(&vehicle, sample.time_s, &airframe);
+            let beam = Rc::new(structure.beam(&applied).unwrap());
+            let pair_n = airframe.tip_pair_force_slope_nprad;
+            let [p, two, four] = sample.tip_rad;
+            let in_pitch = Loads {
+                incidence_rad: sample.incidence_rad,
+                tip_force_n: pair_n * p,
+                tvc_force_n: sample.tvc_n[0],
+                misalignment: case.pitch_misalignment,
+            };
+            let in_yaw = Loads {
+                incidence_rad: sample.yaw_incidence_rad,
+                tip_force_n: 0.5 * pair_n * (two + four),
+                tvc_force_n: sample.tvc_n[1],
+                misalignment: case.yaw_misalignment,
+            };
+            pitch.observe(sample.time_s, &beam, [in_pitch]);
+            both.observe(sample.time_s, &beam, [in_pitch, in_yaw]);
+        };
+        fly(&vehicle, &case, 1_000, observe).unwrap();
+        (pitch.finish(), both.finish())
+    }
+
+    #[test]
+    fn the_design_case_has_the_moments_of_the_independent_formulation() {
+        for every in [1, 5, 10, 20] {
+            let (pitch, both) = design_case(1.0, every);
+            println!(
+                "{every} {:?} {:?} {:?} {:?}",
+                pitch.quasi_static.greatest,
+                pitch.whole.greatest,
+                both.quasi_static.greatest,
+                both.whole.greatest
+            );
+        }
+        let (pitch, both) = design_case(-1.0, 20);
+        println!(
+            "{:?} {:?} {:?} {:?}",
+            pitch.quasi_static.greatest,
+            pitch.whole.greatest,
+            both.quasi_static.greatest,
+            both.whole.greatest
+        );
+        let _: Option<Met> = None;
+    }
 }

@@ -8,6 +8,7 @@ use super::{
     plan::{Case, Plan},
 };
 use crate::study::bending_moment::{BendingMoments, Recorder, outcome::GreatestMoment};
+use std::rc::Rc;
 use vehicle::structure::{Applied, Beam, Loads, StructureError};
 
 /// Channels of incidence, tip force and thrust-vector force in the loop's plane.
@@ -41,7 +42,7 @@ pub fn moments(
     case: &Case,
     response: &Response,
 ) -> Result<Option<BendingMoments<1>>, StructureError> {
-    let beam = beam(plan, case)?;
+    let beam = Rc::new(beam(plan, case)?);
     let [incidence, tips, tvc] = channels(case.test.control_loop()).map(|adc| response.of(adc));
     if response.is_empty() || !response.is_finite() {
         return Ok(None);
