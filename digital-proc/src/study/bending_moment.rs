@@ -7,6 +7,8 @@
 //! 46 ms edges makes in samples of 20 ms. The greatest moments are sought between samples too,
 //! since the third mode turns round in two of them.
 
+#[cfg(test)]
+pub(crate) mod elements;
 pub mod flight;
 pub mod outcome;
 
