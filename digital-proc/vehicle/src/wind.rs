@@ -11,7 +11,10 @@
 //! * c = `combine`, the customary 0.85 when shear and gust act together.
 //!
 //! Signs: positive along the flight direction (tailwind), so that a headwind is
-//! negative; the crosswind is `cross_frac` times the signed profile.
+//! negative; a crosswind is positive where it blows to starboard, the side to
+//! which positive yaw turns the nose, so that it adds to α_y. The crosswind is
+//! `cross_frac` times the signed profile: with the shipped fraction a headwind
+//! blows to port. Which side is free, so studies of fuel and load fly both.
 //! Outside the envelope's altitudes its end value holds, flagged.
 
 use crate::table::{Edge, Table, TableError};
@@ -27,7 +30,7 @@ const SHEAR_EXPONENT: f64 = 0.7;
 pub struct WindSample {
     /// Component along the flight direction, m/s; headwind negative.
     pub along_mps: f64,
-    /// Component across it, m/s.
+    /// Component across it, m/s; positive to starboard.
     pub cross_mps: f64,
     pub edge: Edge,
 }
