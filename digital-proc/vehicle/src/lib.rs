@@ -19,6 +19,7 @@ pub mod flight_summary;
 pub mod gain_schedule;
 mod mass;
 pub mod pitch_programme;
+pub mod range_safety;
 pub mod reference;
 pub mod rk4;
 pub mod slice;
@@ -34,8 +35,8 @@ use std::path::Path;
 pub use aero::{AeroCoefficients, AeroTables};
 pub use data::{
     Aero, Bending, Component, Derived, DesignedGains, Disturbance, Ftc, Geometry, Gyro, Imu,
-    Limits, LongPeriodCase, Mass, PitchProgrammeData, ScheduleData, Site, Thrust, Tvc, VehicleData,
-    WindData, WindStatistics,
+    Limits, LongPeriodCase, Mass, PitchProgrammeData, RangeSafety, ScheduleData, Site, Thrust, Tvc,
+    VehicleData, WindData, WindStatistics,
 };
 pub use mass::{MassModel, MassProperties};
 pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};

@@ -1,7 +1,7 @@
 //! What a long-period study comes to: a row a mode, with all its flights.
 
 use vehicle::{
-    ScheduleData, Vehicle,
+    RangeSafety, ScheduleData, Vehicle,
     flight_mode::{FlightScript, Schedule},
     flight_summary::{FlightSample, FlightSummary},
 };
@@ -189,6 +189,8 @@ pub struct LongPeriodResults {
     pub reduced: ScheduleData,
     /// Side-force fluid carried, kg.
     pub carried_kg: f64,
+    /// Where the vehicle may come down.
+    pub range_safety: RangeSafety,
 }
 
 impl LongPeriodResults {

@@ -128,6 +128,7 @@ pub fn run(
         designed: data.gains.schedule(),
         reduced: data.gains_reduced.clone(),
         carried_kg: data.tvc.fluid_kg,
+        range_safety: data.range_safety.clone(),
     })
 }
 
