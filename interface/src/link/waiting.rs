@@ -18,10 +18,10 @@
 //! about the next request.
 
 use super::{LinkFault, bell::Bell};
-use crate::Side;
+use crate::{Side, processor};
 use std::{
     sync::{
-        Arc, OnceLock,
+        Arc,
         atomic::{AtomicBool, Ordering},
     },
     time::{Duration, Instant},
@@ -67,6 +67,8 @@ pub struct Patience {
     pub busy_limit: Duration,
     /// How long to wait for a partner to arrive; `None` waits until interrupted.
     pub arrival: Option<Duration>,
+    /// Whether both sides can run at once: this thread may use more than one processor.
+    pub apart: bool,
 }
 
 impl Default for Patience {
@@ -77,6 +79,7 @@ impl Default for Patience {
             silence: Duration::from_secs(10),
             busy_limit: Duration::from_secs(600),
             arrival: Some(Duration::from_secs(10)),
+            apart: processor::allowed().len() > 1,
         }
     }
 }
@@ -133,12 +136,6 @@ pub(super) enum Limit {
     Unlimited,
 }
 
-/// Whether both sides can run at once.
-fn are_apart() -> bool {
-    static APART: OnceLock<bool> = OnceLock::new();
-    *APART.get_or_init(|| std::thread::available_parallelism().is_ok_and(|n| n.get() > 1))
-}
-
 /// Waits until `attempt` gives something.
 pub(super) fn wait<W: Watched, T>(
     patience: &Patience,
@@ -154,7 +151,7 @@ pub(super) fn wait<W: Watched, T>(
     let start = Instant::now();
     let prompt = limit == Limit::Prompt;
     // On the wall clock both sides may share a processor.
-    let spin = if !prompt && are_apart() { SPIN_APART } else { SPIN };
+    let spin = if !prompt && patience.apart { SPIN_APART } else { SPIN };
     while start.elapsed() < spin {
         std::hint::spin_loop();
         if let Some(found) = attempt(wire)? {

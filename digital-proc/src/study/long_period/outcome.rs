@@ -2,7 +2,7 @@
 //! paper, the monitored variables against time.
 
 use super::{
-    claims::{FIGURE_8, LOADS, MODES, Q_ALPHA, judge},
+    claims::{DEPARTURES, FIGURE_8, LOADS, MODES, Q_ALPHA, judge},
     results::{Departure, Flown, LongPeriodResults, ModeResult},
 };
 use crate::study::gain_design::schedule::charts;
@@ -39,23 +39,34 @@ pub fn fill(results: &LongPeriodResults, step: Tick, out: &mut Outcome) {
         .markup(definition_list(&modes))
         .table(
             MODES.anchor(),
-            "Departure of each mode's burn-out from that of the undisturbed normal flight, its load and its fluid; design case.",
+            "Departure of each mode's burn-out from that of the sound vehicle in the same wind and under the same misalignments, its load and its fluid; design case.",
             mode_table(results),
+        )
+        .table(
+            DEPARTURES.anchor(),
+            "Departure of burn-out from that of the sound vehicle in the same wind and under the same misalignments: the largest of its parts (velocity, path angle, altitude, range) over what is accepted, by wind and pitch misalignment, the latter in fractions of 3σ.",
+            by_flight(results, ModeResult::all_flights, "of what is accepted", |f| {
+                results.departure(f).map(|d| d.severity(&results.accept))
+            }),
         )
         .table(
             LOADS.anchor(),
             "Largest Qα over wind and pitch misalignment, the latter in fractions of 3σ.",
-            by_flight(results, "kPa·°", |f| f.max_q_alpha.value / 1e3),
+            by_flight(results, ModeResult::flights, "kPa·°", |f| {
+                Some(f.ended.as_ref().ok()?.max_q_alpha.value / 1e3)
+            }),
         )
         .table(
             "fuel",
             "Side-force fluid over wind and pitch misalignment, the latter in fractions of 3σ.",
-            by_flight(results, "kg", |f| f.injectant_kg),
+            by_flight(results, ModeResult::flights, "kg", |f| {
+                Some(f.ended.as_ref().ok()?.injectant_kg)
+            }),
         )
         .long_table("flights", "Every flight at burn-out.", flight_table(results));
     schedules(results, out);
     fuel(results, out);
-    for (mode, flown) in results.modes.iter().flat_map(|m| m.flights().map(move |f| (m, f))) {
+    for (mode, flown) in results.modes.iter().flat_map(|m| m.all_flights().map(move |f| (m, f))) {
         if let Err(lost) = &flown.ended {
             out.remarks.push(format!(
                 "{} ({}, misalignment {:+} × 3σ in pitch) was lost: {lost}",
@@ -103,7 +114,7 @@ fn mode_table(results: &LongPeriodResults) -> Table {
         row.0.design.ended.as_ref().ok().map(of).into()
     }
     fn departure(row: &Row<'_>, of: fn(&Departure) -> f64) -> Cell {
-        row.0.departure.as_ref().map(of).into()
+        row.1.departure(&row.0.design).as_ref().map(of).into()
     }
     let columns: [Column<Row<'_>>; 10] = [
         Column::new("Mode", "", |r| r.0.name.as_str().into()),
@@ -125,20 +136,22 @@ fn mode_table(results: &LongPeriodResults) -> Table {
 }
 
 /// A number of every mode over winds and misalignments.
-fn by_flight(results: &LongPeriodResults, unit: &str, of: fn(&FlightSummary) -> f64) -> Table {
+fn by_flight<'a, F: Iterator<Item = &'a Flown>>(
+    results: &'a LongPeriodResults,
+    flights: impl Fn(&'a ModeResult) -> F,
+    unit: &str,
+    of: impl Fn(&Flown) -> Option<f64>,
+) -> Table {
     let mut headings = vec![Heading::new("Mode", "")];
     if let Some(first) = results.modes.first() {
-        headings.extend(first.flights().map(|f| {
+        headings.extend(flights(first).map(|f| {
             let wind = f.wind.words().trim_end_matches(" wind");
             Heading::new(format!("{wind} {:+}", f.misalignment[0]), unit).digits(3)
         }));
     }
     let mut table = Table::new(headings);
     for mode in &results.modes {
-        let cells = mode.flights().map(|flown| match &flown.ended {
-            Ok(flight) => Cell::Number(of(flight)),
-            Err(_) => "lost".into(),
-        });
+        let cells = flights(mode).map(|flown| of(flown).map_or("lost".into(), Cell::Number));
         table.row(std::iter::once(Cell::from(mode.name.as_str())).chain(cells));
     }
     table
@@ -174,7 +187,7 @@ fn flight_table(results: &LongPeriodResults) -> Table {
         Column::new("Lost", "", |r| r.1.ended.as_ref().err().map_or("", |l| l.as_str()).into()),
     ];
     let rows: Vec<Row<'_>> =
-        results.modes.iter().flat_map(|m| m.flights().map(move |f| (m, f))).collect();
+        results.modes.iter().flat_map(|m| m.all_flights().map(move |f| (m, f))).collect();
     Table::of(&columns, &rows)
 }
 

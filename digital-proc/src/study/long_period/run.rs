@@ -1,11 +1,12 @@
-//! Flies the modes, one after another on one session or side by side within this process.
+//! Flies the modes side by side, each machine on a processor of its own, or one after another on
+//! a session that somebody else serves.
 //!
 //! The stage patch is loaded once; every flight starts from initial conditions
 //! (rep-op) and none restarts the partner. All flights have the same frames, so
 //! that their peaks compare. A flight that diverges is recorded as lost and the
 //! next one starts afresh; a fault of the link or of a file ends the study.
 
-use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult};
+use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult, STRONG};
 use crate::{
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, Timing, channels::Sampled,
@@ -21,12 +22,13 @@ use interface::{
     Tick,
     control::PatchBundle,
     frame::Samples,
+    processor,
     profile::Profile,
     side_by_side::{Jobs, side_by_side},
 };
 use vehicle::{
     Vehicle,
-    flight_mode::FlightScript,
+    flight_mode::{FlightScript, Schedule},
     flight_summary::FlightSample,
     reference::FlightCase,
     wind::{SyntheticWind, Wind},
@@ -45,7 +47,7 @@ pub struct LongPeriodPlan {
     pub modes: Vec<FlightScript>,
     /// Misalignments in pitch flown beside the design case's, fractions of 3σ.
     pub envelope: Vec<f64>,
-    /// Whether the wind is also reversed.
+    /// Whether the wind is also reversed, and strong.
     pub reversed: bool,
     /// Trajectory step.
     pub step: Tick,
@@ -80,8 +82,20 @@ impl LongPeriodPlan {
 
     /// Number of flights.
     pub fn flights(&self) -> usize {
-        1 + self.modes.len() * (1 + self.envelope.len() + usize::from(self.reversed))
+        let of_a_mode = 1 + self.envelope.len() + 2 * usize::from(self.reversed);
+        1 + self.scripts().count() * of_a_mode
     }
+
+    /// What is flown: the modes, and after them the sound vehicle where none of them is that.
+    fn scripts(&self) -> impl Iterator<Item = FlightScript> {
+        let without = self.modes.iter().all(|mode| !is_sound(mode));
+        self.modes.iter().cloned().chain(without.then(FlightScript::sound))
+    }
+}
+
+/// Whether nothing fails and the schedule is the designed one.
+fn is_sound(script: &FlightScript) -> bool {
+    script.actions.is_empty() && script.schedule == Schedule::Designed
 }
 
 /// Flies the whole plan; `progress` is told the number of flights done.
@@ -95,35 +109,42 @@ pub fn run(
     let design = [case.misalign_pitch, case.misalign_yaw];
     let sound = FlightScript::sound();
     let mut flights: Vec<Flight<'_>> = vec![(&sound, FlightWind::Calm, [0.0, 0.0])];
-    for script in &plan.modes {
+    let scripts: Vec<FlightScript> = plan.scripts().collect();
+    for script in &scripts {
         flights.push((script, FlightWind::DesignCase, design));
         let envelope = plan.envelope.iter();
         flights.extend(envelope.map(|&pitch| (script, FlightWind::DesignCase, [pitch, design[1]])));
         if plan.reversed {
             flights.push((script, FlightWind::Reversed, design));
+            flights.push((script, FlightWind::Strong, design));
         }
     }
     let mut flown = fly_all(console, vehicle, plan, &flights, progress)?.into_iter();
     let mut next = || flown.next().ok_or(StudyFault::LostFlight);
     let (undisturbed, nominal_history) = next()?;
     let nominal = undisturbed.ended.map_err(StudyFault::NominalLost)?;
-    let mut modes = Vec::with_capacity(plan.modes.len());
-    for script in &plan.modes {
+    let mut modes = Vec::with_capacity(scripts.len());
+    for script in &scripts {
         let (flown, history) = next()?;
-        let mut mode = ModeResult::new(script, flown, history, &nominal);
+        let mut mode = ModeResult::new(script, flown, history);
         for _ in &plan.envelope {
             mode.envelope.push(next()?.0);
         }
         if plan.reversed {
             mode.reversed = Some(next()?.0);
+            mode.strong = Some(next()?.0);
         }
         modes.push(mode);
     }
+    let sound = scripts.iter().zip(&modes).find(|(script, _)| is_sound(script));
+    let sound = sound.map_or_else(Vec::new, |(_, mode)| mode.all_flights().cloned().collect());
+    modes.truncate(plan.modes.len());
     let data = vehicle.data();
     Ok(LongPeriodResults {
         accept: Acceptance::new(vehicle),
         nominal,
         nominal_history,
+        sound,
         modes,
         designed: data.gains.schedule(),
         reduced: data.gains_reduced.clone(),
@@ -136,8 +157,8 @@ type Flight<'a> = (&'a FlightScript, FlightWind, [f64; 2]);
 /// What it came to, and its history.
 type Answer = (Flown, Vec<FlightSample>);
 
-/// Flies side by side where machines can be had within this process, or else one after another;
-/// each has the bits of a flight alone.
+/// Flies side by side where more machines can be started, or else one after another; each has the
+/// bits of a flight alone.
 fn fly_all(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
@@ -158,22 +179,21 @@ fn fly_all(
     };
     let mut answers: Vec<Option<Answer>> = vec![None; flights.len()];
     let worker = |jobs: Jobs<'_, Result<Answer, StudyFault>>| {
-        let mut port = fellow.port();
-        let mut console = Console::new(&mut port);
-        let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, plan.patch.clone());
-        let begun = stage.map_err(StudyFault::from).and_then(|s| Bench::new(vehicle, plan, s));
-        let mut bench = match begun {
-            Ok(bench) => bench,
-            Err(fault) => {
-                if let Some(i) = jobs.next() {
-                    jobs.done(i, Err(fault));
-                }
-                return;
+        let _kept = fellow.is_pair().then(|| processor::share(jobs.worker));
+        let work = || {
+            let mut machine = fellow.start(jobs.given_up())?;
+            let mut console = Console::new(&mut machine);
+            let patch = plan.patch.clone();
+            let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, patch)?;
+            let mut bench = Bench::new(vehicle, plan, stage)?;
+            while let Some(i) = jobs.next() {
+                let (script, wind, misalignment) = flights[i];
+                jobs.done(i, bench.fly(&mut console, vehicle, script, wind, misalignment));
             }
+            Ok(console.bye()?)
         };
-        while let Some(i) = jobs.next() {
-            let (script, wind, misalignment) = flights[i];
-            jobs.done(i, bench.fly(&mut console, vehicle, script, wind, misalignment));
+        if let (Err(fault), Some(i)) = (work(), jobs.next()) {
+            jobs.done(i, Err(fault));
         }
     };
     let mut done = 0;
@@ -183,7 +203,7 @@ fn fly_all(
             done += 1;
             progress(done);
         }
-        Ok::<_, StudyFault>(())
+        Ok::<_, StudyFault>(console.attend()?)
     })?;
     answers.into_iter().collect::<Option<_>>().ok_or(StudyFault::LostFlight)
 }
@@ -196,6 +216,7 @@ pub struct Bench<'a> {
     latency: Tick,
     design_wind: Wind,
     reversed_wind: Wind,
+    strong_wind: Wind,
 }
 
 impl<'a> Bench<'a> {
@@ -207,6 +228,10 @@ impl<'a> Bench<'a> {
     ) -> Result<Bench<'a>, StudyFault> {
         let data = vehicle.data();
         let burn_time_s = data.mass.burn_time_s;
+        let scaled = |factor: f64| {
+            let sign = factor * data.long_period_case.wind_sign;
+            SyntheticWind::new(&data.wind, sign).map(Wind::Synthetic)
+        };
         let fast = plan.slow.fast_period(plan.step).unwrap_or(plan.step);
         Ok(Bench {
             plan,
@@ -216,10 +241,8 @@ impl<'a> Bench<'a> {
                 .latency
                 .unwrap_or_else(|| plan.profile.latency_within(Sampled::COUNT, fast).0),
             design_wind: Wind::design_case(vehicle)?,
-            reversed_wind: Wind::Synthetic(SyntheticWind::new(
-                &data.wind,
-                -data.long_period_case.wind_sign,
-            )?),
+            reversed_wind: scaled(-1.0)?,
+            strong_wind: scaled(STRONG)?,
         })
     }
 
@@ -244,6 +267,7 @@ impl<'a> Bench<'a> {
                     FlightWind::Calm => Wind::Calm,
                     FlightWind::DesignCase => self.design_wind.clone(),
                     FlightWind::Reversed => self.reversed_wind.clone(),
+                    FlightWind::Strong => self.strong_wind.clone(),
                 },
                 pitch_misalignment: misalignment[0],
                 yaw_misalignment: misalignment[1],
