@@ -1,11 +1,10 @@
 //! How a side waits for the other: spin, then yield, then sleep by the bell.
 //!
-//! The answer to a frame comes within microseconds as long as both processes
-//! run, so a wait first spins (2 µs), then yields the processor (needed when
-//! both share one core), then sleeps until the partner rings ([`Bell`]). A
-//! sleep lasts a slice of time at most, after which the wait looks whether the
-//! partner is still there. Beside busy programs, where a yield is dear, waits
-//! sleep at once ([`Bell::crowded`]).
+//! The answer to a frame comes within microseconds as long as both processes run, so a wait
+//! first spins (20 µs where they may have a processor each, not at all on a shared one), then
+//! yields the processor, then sleeps until the partner rings ([`Bell`]). A sleep lasts a slice
+//! of time at most, after which the wait looks whether the partner is still there. Beside busy
+//! programs, where a yield is dear, waits sleep at once ([`Bell::crowded`]).
 //!
 //! On the wall clock, where lateness counts, it yields for longer than a fast frame,
 //! whoever else is busy.
@@ -150,8 +149,13 @@ pub(super) fn wait<W: Watched, T>(
     }
     let start = Instant::now();
     let prompt = limit == Limit::Prompt;
-    // On the wall clock both sides may share a processor.
-    let spin = if !prompt && patience.apart { SPIN_APART } else { SPIN };
+    let spin = match (prompt, patience.apart) {
+        // Both sides may share a processor without being bound to it.
+        (true, _) => SPIN,
+        (false, true) => SPIN_APART,
+        // Whoever is waited for needs this processor.
+        (false, false) => Duration::ZERO,
+    };
     while start.elapsed() < spin {
         std::hint::spin_loop();
         if let Some(found) = attempt(wire)? {

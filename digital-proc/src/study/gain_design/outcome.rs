@@ -54,8 +54,7 @@ pub fn run(
             interval.first_cost, interval.cost, interval.evaluations
         ));
     })?;
-    let plan =
-        LongPeriodPlan { moments: false, ..LongPeriodPlan::new(Vec::new(), profile.clone()) };
+    let plan = LongPeriodPlan::new(Vec::new(), profile.clone());
     let merging = merge(console, vehicle, &plan, &design.schedule, |level, flights| {
         told(format!(
             "{} switchings: {:.1} kPa deg after {flights} flights",

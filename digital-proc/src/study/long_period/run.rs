@@ -6,7 +6,7 @@
 //! that their peaks compare. A flight that diverges is recorded as lost and the
 //! next one starts afresh; a fault of the link or of a file ends the study.
 
-use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult, STRONG};
+use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult};
 use crate::{
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, Timing, channels::Sampled,
@@ -16,7 +16,10 @@ use crate::{
         console::{Console, ConsoleFault},
         executive::Rate,
     },
-    study::{bending_moment::flight::FlightMoments, fault::StudyFault},
+    study::{
+        bending_moment::{BendingMoments, flight::FlightMoments},
+        fault::StudyFault,
+    },
 };
 use interface::{
     Tick,
@@ -29,10 +32,10 @@ use interface::{
 use vehicle::{
     Vehicle,
     flight_mode::{FlightScript, Schedule},
-    flight_summary::FlightSample,
+    flight_summary::{FlightSample, FlightSummary},
     reference::FlightCase,
-    structure::Structure,
-    wind::{SyntheticWind, Wind},
+    structure::{Structure, StructureError},
+    wind::Wind,
 };
 
 /// Misalignments of the shipped envelope, fractions of 3σ, flown beside the
@@ -50,8 +53,6 @@ pub struct LongPeriodPlan {
     pub envelope: Vec<f64>,
     /// Whether the wind is also reversed, and strong.
     pub reversed: bool,
-    /// Whether bending moments are found in the flights that are shown.
-    pub moments: bool,
     /// Trajectory step.
     pub step: Tick,
     /// Fast frames in it.
@@ -74,7 +75,6 @@ impl LongPeriodPlan {
             modes,
             envelope: ENVELOPE.to_vec(),
             reversed: true,
-            moments: true,
             step: Tick(100_000_000),
             slow: Rate::every(5).unwrap_or(Rate::FAST),
             latency: None,
@@ -111,19 +111,34 @@ pub fn run(
 ) -> Result<LongPeriodResults, StudyFault> {
     let case = &vehicle.data().long_period_case;
     let design = [case.misalign_pitch, case.misalign_yaw];
-    let sound = FlightScript::sound();
-    let mut flights: Vec<Flight<'_>> = vec![(&sound, FlightWind::Calm, [0.0, 0.0])];
+    let mut flights = vec![(FlightScript::sound(), FlightWind::Calm, [0.0, 0.0])];
     let scripts: Vec<FlightScript> = plan.scripts().collect();
     for script in &scripts {
-        flights.push((script, FlightWind::DesignCase, design));
-        let envelope = plan.envelope.iter();
-        flights.extend(envelope.map(|&pitch| (script, FlightWind::DesignCase, [pitch, design[1]])));
+        let mut add = |wind, misalignment| flights.push((script.clone(), wind, misalignment));
+        add(FlightWind::DesignCase, design);
+        for &pitch in &plan.envelope {
+            add(FlightWind::DesignCase, [pitch, design[1]]);
+        }
         if plan.reversed {
-            flights.push((script, FlightWind::Reversed, design));
-            flights.push((script, FlightWind::Strong, design));
+            add(FlightWind::Reversed, design);
+            add(FlightWind::Strong, design);
         }
     }
-    let mut flown = fly_all(console, vehicle, plan, &flights, progress)?.into_iter();
+    let case = |(script, wind, misalignment): &(FlightScript, FlightWind, [f64; 2])| {
+        Ok(FlightCase {
+            script: script.clone(),
+            failure_start_s: 0.0,
+            wind: wind.of(vehicle)?,
+            pitch_misalignment: misalignment[0],
+            yaw_misalignment: misalignment[1],
+        })
+    };
+    let cases = flights.iter().map(case).collect::<Result<Vec<_>, StudyFault>>()?;
+    let answers = fly_all(console, vehicle, plan, (&cases, true), progress)?;
+    let mut flown = flights.into_iter().zip(answers).map(|(flight, (ended, history, moments))| {
+        let (_, wind, misalignment) = flight;
+        (Flown { wind, misalignment, ended, moments }, history)
+    });
     let mut next = || flown.next().ok_or(StudyFault::LostFlight);
     let (undisturbed, nominal_history) = next()?;
     let nominal = undisturbed.ended.clone().map_err(StudyFault::NominalLost)?;
@@ -154,35 +169,44 @@ pub fn run(
         designed: data.gains.schedule(),
         reduced: data.gains_reduced.clone(),
         carried_kg: data.tvc.fluid_kg,
+        range_safety: data.range_safety.clone(),
     })
 }
 
-/// Script, wind and misalignments of a flight.
-type Flight<'a> = (&'a FlightScript, FlightWind, [f64; 2]);
-/// What it came to, and its history.
-type Answer = (Flown, Vec<FlightSample>);
+/// What a flight came to, or why it was lost, its history, and its bending moments if it is shown.
+pub type Answer = (
+    Result<FlightSummary, String>,
+    Vec<FlightSample>,
+    Option<Result<BendingMoments<2>, StructureError>>,
+);
+
+/// Whether a flight's bending moments are shown: the undisturbed ones and the design cases.
+fn is_shown(vehicle: &Vehicle, case: &FlightCase) -> Result<bool, StudyFault> {
+    let design = FlightCase::design(vehicle, &case.script)?;
+    Ok(case.wind == Wind::Calm || *case == design)
+}
 
 /// Flies side by side where more machines can be started, or else one after another; each has the
-/// bits of a flight alone.
-fn fly_all(
+/// bits of a flight alone. Histories are kept if `history` is set.
+pub fn fly_all(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
     plan: &LongPeriodPlan,
-    flights: &[Flight<'_>],
+    (cases, history): (&[FlightCase], bool),
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<Answer>, StudyFault> {
     // Here too, so that the console knows the patch.
     let stage = Stage::load_patch(console, vehicle, &plan.profile, plan.patch.clone())?;
     let Some(fellow) = console.fellow() else {
         let mut bench = Bench::new(vehicle, plan, stage)?;
-        let mut answers = Vec::with_capacity(flights.len());
-        for (script, wind, misalignment) in flights {
-            answers.push(bench.fly(console, vehicle, script, *wind, *misalignment)?);
+        let mut answers = Vec::with_capacity(cases.len());
+        for case in cases {
+            answers.push(bench.fly(console, vehicle, case, history)?);
             progress(answers.len());
         }
         return Ok(answers);
     };
-    let mut answers: Vec<Option<Answer>> = vec![None; flights.len()];
+    let mut answers: Vec<Option<Answer>> = vec![None; cases.len()];
     let worker = |jobs: Jobs<'_, Result<Answer, StudyFault>>| {
         let _kept = fellow.is_pair().then(|| processor::share(jobs.worker));
         let work = || {
@@ -192,8 +216,7 @@ fn fly_all(
             let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, patch)?;
             let mut bench = Bench::new(vehicle, plan, stage)?;
             while let Some(i) = jobs.next() {
-                let (script, wind, misalignment) = flights[i];
-                jobs.done(i, bench.fly(&mut console, vehicle, script, wind, misalignment));
+                jobs.done(i, bench.fly(&mut console, vehicle, &cases[i], history));
             }
             Ok(console.bye()?)
         };
@@ -202,7 +225,7 @@ fn fly_all(
         }
     };
     let mut done = 0;
-    side_by_side(flights.len(), worker, |answer| {
+    side_by_side(cases.len(), worker, |answer| {
         if let Some((i, answer)) = answer {
             answers[i] = Some(answer?);
             done += 1;
@@ -219,12 +242,6 @@ pub struct Bench<'a> {
     stage: Stage,
     stop: Tick,
     latency: Tick,
-    design_wind: Wind,
-    reversed_wind: Wind,
-    strong_wind: Wind,
-    structure: Option<Structure>,
-    /// Misalignments of the design case.
-    design: [f64; 2],
 }
 
 impl<'a> Bench<'a> {
@@ -234,12 +251,7 @@ impl<'a> Bench<'a> {
         plan: &'a LongPeriodPlan,
         stage: Stage,
     ) -> Result<Bench<'a>, StudyFault> {
-        let data = vehicle.data();
-        let burn_time_s = data.mass.burn_time_s;
-        let scaled = |factor: f64| {
-            let sign = factor * data.long_period_case.wind_sign;
-            SyntheticWind::new(&data.wind, sign).map(Wind::Synthetic)
-        };
+        let burn_time_s = vehicle.data().mass.burn_time_s;
         let fast = plan.slow.fast_period(plan.step).unwrap_or(plan.step);
         Ok(Bench {
             plan,
@@ -248,16 +260,11 @@ impl<'a> Bench<'a> {
             latency: plan
                 .latency
                 .unwrap_or_else(|| plan.profile.latency_within(Sampled::COUNT, fast).0),
-            design_wind: Wind::design_case(vehicle)?,
-            reversed_wind: scaled(-1.0)?,
-            strong_wind: scaled(STRONG)?,
-            structure: plan.moments.then(|| Structure::new(vehicle)),
-            design: [data.long_period_case.misalign_pitch, data.long_period_case.misalign_yaw],
         })
     }
 
-    /// One flight to burn-out and its history. `vehicle` is the one that was
-    /// loaded, or a variant of it with the same wind and burn time.
+    /// One flight to burn-out, and its history if that is wanted. `vehicle` is the one that was
+    /// loaded, or a variant of it with the same burn time.
     ///
     /// # Errors
     /// [`StudyFault`]: the machine; a flight that diverges is lost, not an error.
@@ -265,23 +272,11 @@ impl<'a> Bench<'a> {
         &mut self,
         console: &mut Console<'_>,
         vehicle: &Vehicle,
-        script: &FlightScript,
-        wind: FlightWind,
-        misalignment: [f64; 2],
-    ) -> Result<(Flown, Vec<FlightSample>), StudyFault> {
+        case: &FlightCase,
+        keep: bool,
+    ) -> Result<Answer, StudyFault> {
         let plan = FlightPlan {
-            case: FlightCase {
-                script: script.clone(),
-                failure_start_s: 0.0,
-                wind: match wind {
-                    FlightWind::Calm => Wind::Calm,
-                    FlightWind::DesignCase => self.design_wind.clone(),
-                    FlightWind::Reversed => self.reversed_wind.clone(),
-                    FlightWind::Strong => self.strong_wind.clone(),
-                },
-                pitch_misalignment: misalignment[0],
-                yaw_misalignment: misalignment[1],
-            },
+            case: case.clone(),
             step: self.plan.step,
             slow: self.plan.slow,
             latency: self.latency,
@@ -290,13 +285,10 @@ impl<'a> Bench<'a> {
             alpha: self.plan.alpha,
             profile: self.plan.profile.clone(),
         };
-        let shown = match wind {
-            FlightWind::Calm => true,
-            FlightWind::DesignCase => misalignment == self.design,
-            FlightWind::Reversed | FlightWind::Strong => false,
-        };
-        let structure = self.structure.as_ref().filter(|_| shown);
-        let mut moments = structure.map(|s| FlightMoments::new(s, misalignment));
+        let shown = keep && is_shown(vehicle, case)?;
+        let structure = shown.then(|| Structure::new(vehicle));
+        let misalignment = [case.pitch_misalignment, case.yaw_misalignment];
+        let mut moments = structure.as_ref().map(|s| FlightMoments::new(s, misalignment));
         let mut history = Vec::new();
         let slow = self.plan.slow;
         let flown = self.stage.fly(
@@ -305,7 +297,7 @@ impl<'a> Bench<'a> {
             &plan,
             Timing::LockStep,
             &mut |frame: &Samples, result: &FrameResult| {
-                if slow.due(frame.frame) {
+                if keep && slow.due(frame.frame) {
                     history.push(result.sample);
                 }
                 if let Some(moments) = &mut moments {
@@ -313,16 +305,14 @@ impl<'a> Bench<'a> {
                 }
             },
         );
-        let ended = match flown {
-            Ok(summary) => Ok(summary),
+        let moments = moments.map(FlightMoments::finish);
+        match flown {
+            Ok(summary) => Ok((Ok(summary), history, moments)),
             Err(
                 fault @ (FlightFault::Trajectory(_)
                 | FlightFault::Console(ConsoleFault::RunFault { .. })),
-            ) => Err(fault.to_string()),
-            Err(fault) => return Err(fault.into()),
-        };
-        let moments = moments.map(FlightMoments::finish);
-        let flown = Flown { wind, misalignment, ended, moments };
-        Ok((flown, history))
+            ) => Ok((Err(fault.to_string()), history, moments)),
+            Err(fault) => Err(fault.into()),
+        }
     }
 }
