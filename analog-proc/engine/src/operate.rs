@@ -274,23 +274,26 @@ impl Engine {
         }
         let before = self.inputs_of_lines();
         self.hold_what_leaves();
-        let Engine { machine, frozen, nets, before: nets_before, happenings, ics, .. } = self;
-        machine.settle(frozen, ics, t_s, nets, nets_before, initial, happenings)?;
-        self.statistics.edges_lost += self.happenings.drop_oldest_edges();
-        self.overloads.append(&mut self.happenings.overloads);
-        self.count_switchings()?;
+        self.settle_nets(initial)?;
         self.step.y0.copy_from_slice(&self.nets[..n]);
         self.size_up(true);
         self.forget_directions();
-        // Again for each vector at zero: its direction may hang on that of another.
-        for _ in 0..=self.machine.paces.len() {
+        // Again for each vector at zero: its direction may hang on that of another, and logic and
+        // corners on it.
+        for _ in 0..=self.machine.paces.len() + self.machine.elements.len() {
             self.machine.derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
             self.step.evaluations += 1;
             self.watch_start();
+            if self.leave_corners() {
+                continue;
+            }
             if !self.turn_vectors() {
                 break;
             }
+            self.settle_nets(initial)?;
+            self.step.y0.copy_from_slice(&self.nets[..n]);
         }
+        self.count_switchings()?;
         self.probe.copy_from_slice(&self.nets);
         self.scheme.restart();
         self.fixed_steps.part();
@@ -301,6 +304,15 @@ impl Engine {
                 line.event(t_s, generation, before, after);
             }
         }
+        Ok(())
+    }
+
+    /// Brings nets, regions and stores to rest at the present instant.
+    fn settle_nets(&mut self, initial: bool) -> Result<(), RunFault> {
+        let Engine { machine, frozen, nets, before, happenings, ics, t_s, .. } = self;
+        machine.settle(frozen, ics, *t_s, nets, before, initial, happenings)?;
+        self.statistics.edges_lost += self.happenings.drop_oldest_edges();
+        self.overloads.append(&mut self.happenings.overloads);
         Ok(())
     }
 
