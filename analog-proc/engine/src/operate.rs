@@ -19,6 +19,7 @@ mod past;
 mod recorder;
 mod search;
 mod size;
+mod snapshot;
 mod stepping;
 mod watch;
 
@@ -26,6 +27,7 @@ pub(crate) use heed::Heed;
 pub use heed::{Attendant, Pulse};
 pub use recorder::Sink;
 pub(crate) use recorder::{Cut, Recorder};
+pub use snapshot::SnapshotFault;
 
 use crate::element::dac::Hold;
 use crate::event::Happenings;
@@ -351,14 +353,16 @@ impl Engine {
         Ok(())
     }
 
-    /// Operates until `stop_s`, or until an overload or the attendant stops it.
+    /// Operates until `stop_s`, or until an overload or the attendant stops it; it comes back at
+    /// the first step's end that is not before `rest_s`, with nothing altered by that.
     pub fn operate(
         &mut self,
         stop_s: f64,
+        rest_s: f64,
         mut recorder: Option<&mut Recorder<'_>>,
         heed: &mut Heed<'_>,
     ) -> Result<Option<LatchedOverload>, RunFault> {
-        while self.t_s < stop_s {
+        while self.t_s < stop_s && self.t_s < rest_s {
             self.heed(heed)?;
             let known = self.overloads.len();
             let mut target_s = stop_s.min(self.next_instant_s());

@@ -10,6 +10,7 @@ use crate::element::pace::Pace;
 use crate::element::piecewise::{LEFT_DOWNWARD, LOWER_SHEET, Piecewise};
 use crate::machine::Machine;
 use crate::signal::{Doubted, Rated, Signal};
+use serde::{Deserialize, Serialize};
 
 /// A side that the present region has not; finite, so that differences of it are numbers.
 const ABSENT: f64 = -1e300;
@@ -29,7 +30,7 @@ fn is_passing(y: Rated, x: Rated) -> bool {
 }
 
 /// The sides of all watched regions at one instant of a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Node {
     /// Its place in the step, 0 to 1.
     pub theta: f64,
@@ -130,15 +131,14 @@ impl Engine {
     /// event tells to which it leaves. Whether that changes an angle.
     fn arrive_at_origin(&mut self) -> bool {
         let mut changed = false;
-        for (pace, _) in &self.machine.paces {
+        for (i, (pace, _)) in self.machine.paces.iter().enumerate() {
             let Pace::Direction { e, y, x } = *pace else {
                 continue;
             };
-            let [start, here]: [(Rated, Rated); 2] =
-                [&self.rated_start, &self.rated].map(|nets| (y.of(nets), x.of(nets)));
-            if is_passing(here.0, here.1) && (start.0.value != 0.0 || start.1.value != 0.0) {
+            let (y, x): (Rated, Rated) = (y.of(&self.rated), x.of(&self.rated));
+            if is_passing(y, x) && !self.paces.began_at_origin(i) {
                 let sheet = self.frozen.region[e as usize];
-                let angle = f64::angle(-here.0.rate, -here.1.rate, sheet);
+                let angle = f64::angle(-y.rate, -x.rate, sheet);
                 let place = &mut self.frozen.piece[e as usize].y0;
                 changed |= *place != angle;
                 *place = angle;
