@@ -4,7 +4,7 @@ use crate::bench_top::{BenchTop, expect, with_console};
 use desk::claim::Verdict;
 use digital_proc::study::long_period::{
     claims,
-    results::LongPeriodResults,
+    results::{Departure, LongPeriodResults},
     run::{LongPeriodPlan, run},
 };
 use interface::profile::Profile;
@@ -79,9 +79,25 @@ fn the_claims_hold_and_the_loads_are_the_references() {
     let vehicle = Vehicle::shipped().unwrap();
     let plan = shipped(FailureFile::shipped().modes.clone());
     let results = study(&vehicle, &plan);
-    for id in ["L1", "L2", "L2b", "L3"] {
-        assert_eq!(verdict(&results, id), Verdict::Holds, "{id}");
+    let expected = [
+        ("L1", Verdict::Holds),
+        ("L2", Verdict::InPart),
+        ("L2b", Verdict::InPart),
+        ("L3", Verdict::Holds),
+    ];
+    for (id, expected) in expected {
+        assert_eq!(verdict(&results, id), expected, "{id}");
     }
+    // Against the sound vehicle in the same wind an independent formulation has 0.23°, 58 m of
+    // altitude and 164 m of range at most, each to half a unit of its last digit.
+    let largest = |of: fn(&Departure) -> f64| {
+        let departures = results.modes.iter().filter_map(|m| results.departure(&m.design));
+        departures.map(|d| of(&d).abs()).fold(0.0, f64::max)
+    };
+    assert!((largest(|d| d.path_angle_deg) - 0.23).abs() <= 0.005);
+    assert!((largest(|d| d.range_km) - 0.164).abs() <= 0.000_5);
+    let altitude_m = results.nominal.end.altitude_m;
+    assert!((largest(|d| d.altitude_fraction) * altitude_m - 58.0).abs() <= 0.5);
     for (mode, script) in results.modes.iter().zip(&plan.modes) {
         let case = FlightCase::design(&vehicle, script).unwrap();
         let reference = reference::fly(&vehicle, &case, 1000, |_| {}).unwrap();
@@ -126,8 +142,10 @@ fn the_claims_can_fail() {
     let calm = changed(|d| d.long_period_case.wind_sign = 0.0);
     let tail = changed(|d| d.long_period_case.wind_sign = 1.0);
     let sound = Vehicle::shipped().unwrap();
-    let bare =
-        LongPeriodPlan { modes: modes(&["normal", "roll-lost", "tips-dead"]), ..short_plan() };
+    let bare = LongPeriodPlan {
+        modes: modes(&["normal", "tips-dead", "ftc-electronics"]),
+        ..short_plan()
+    };
     let wrong_sign = [("\"-lead_f_p\"", "\"lead_f_p\""), ("\"-lead_t_p\"", "\"lead_t_p\"")];
     let no_dead_zone = [("width = \"dead_zone\"", "width = 0.0")];
     for (what, vehicle, plan, ids) in [

@@ -17,7 +17,8 @@ use std::path::PathBuf;
 ///
 /// Short-period runs of the pitch and the yaw–roll loops at all trajectory points and
 /// under all operating conditions, then long-period flights in every failure mode, all in
-/// one session. Ends with the claims table; exit code 1 if a claim does not hold.
+/// one session. Ends with the claims table: holds, holds in part (and where not), or does not
+/// hold; exit code 1 only for the last, or if a claim cannot be judged.
 ///
 ///     digital-proc case-study
 ///     digital-proc case-study --study my-points.toml --failures my-failures.toml

@@ -4,6 +4,8 @@
 //! unit of the file here and are converted where they are used. `[sources]` and `[notes]` hold
 //! free text. What sections must fulfil together stands in [`relations`].
 
+use crate::beam_shape::MODES;
+use crate::structure::BodyLoads;
 use desk::reader::Range::{Any, NotNegative, Positive};
 use desk::reader::{Data, SheetFields, Value};
 use desk::table;
@@ -21,9 +23,10 @@ table! { "The whole file." VehicleData
     tvc: Tvc = table("tvc", Tvc::read), "Secondary-injection thrust vector control.";
     gyro: Gyro = table("gyro", Gyro::read), "Rate gyro package.";
     imu: Imu = table("imu", Imu::read), "Inertial measurement unit.";
-    bending: Bending = table("bending", Bending::read), "First bending mode.";
+    bending: Bending = table("bending", Bending::read), "Bending modes.";
     disturbance: Disturbance = table("disturbance", Disturbance::read), "Disturbances.";
     limits: Limits = table("limits", Limits::read), "Structural limit.";
+    range_safety: RangeSafety = table("range_safety", RangeSafety::read), "Where the vehicle may come down.";
     pitch_programme: PitchProgrammeData = table("pitch_programme", PitchProgrammeData::read), "Stored pitch programme.";
     wind: WindData = table("wind", WindData::read), "Synthetic wind.";
     gains: DesignedGains = table("gains", DesignedGains::read), "Designed gain schedule.";
@@ -84,6 +87,8 @@ table! { "`[aero]`: coefficients on the reference area, per radian; shape `[mach
     tip_slope: Vec<f64> = along("CN_tip", &mach, NotNegative), "Normal-force slope of one tip on the tip area.";
     tip_area_m2: f64 = number_in("S_tip", NotNegative), "Area of one tip, m².";
     fin_cant_deg: f64 = number_in("fin_cant_deg", Any), "Effective cant of the fixed fins, deg.";
+    nose_slope: f64 = number_in("CN_nose", NotNegative), "Share of the body's slope that the nose carries.";
+    nose_length_m: f64 = number_in("nose_len", Positive), "Length of the nose, m.";
 }
 
 table! { "`[ftc]`." Ftc
@@ -120,6 +125,11 @@ table! { "`[bending]`." Bending
     alternative_gyro_slope_pm: Vec<f64> = along("lam_gyro_alt", &alternative_gyro_x_m, Any), "Mode slope there, 1/m.";
     filter_corner_radps: f64 = number_in("filter_w", Positive), "Corner of the FTC channel's bending filter, rad/s.";
     imu_slope_pm: f64 = number_in("lam_imu", Any), "Mode slope at the IMU, 1/m.";
+    frequency_ratio: Vec<f64> = numbers_in("freq_ratio", Positive), "Frequencies of modes 2 and 3 over that of the first.";
+    high_damping_ratio: Vec<f64> = along("zeta_high", &frequency_ratio, NotNegative), "Damping ratios of modes 2 and 3.";
+    control_x_m: f64 = number_in("x_control", Any), "Station of the control forces for modes 2 and 3, m.";
+    gyro_x_m: f64 = number_in("x_gyro", Any), "Station of the rate gyro for modes 2 and 3, m.";
+    imu_x_m: f64 = number_in("x_imu", Any), "Station of the IMU for modes 2 and 3, m.";
 }
 
 table! { "`[disturbance]`." Disturbance
@@ -130,6 +140,13 @@ table! { "`[disturbance]`." Disturbance
 
 table! { "`[limits]`." Limits
     q_alpha_padeg: f64 = number_in("q_alpha_Pa_deg", Positive), "Structural limit on dynamic pressure × angle of attack, Pa·deg.";
+}
+
+table! { "`[range_safety]`: corridor of the instantaneous impact point, and loss of control." RangeSafety
+    half_width_m: f64 = number_in("half_width", Positive), "Half width of the corridor at the launch point, m.";
+    opening_deg: f64 = number_in("opening_deg", NotNegative), "Angle by which each side opens down the track, deg.";
+    behind_m: f64 = number_in("behind", Positive), "How far it reaches behind the launch point, m.";
+    control_lost_deg: f64 = number_in("control_lost_deg", Positive), "Departure of the nose from its command at which control is lost, deg.";
 }
 
 table! { "`[pitch_programme]`." PitchProgrammeData
@@ -274,4 +291,23 @@ pub(crate) fn relations(f: &mut SheetFields<'_, '_>, d: &VehicleData) {
         format!("components and propellant add up to {total_kg} kg, `m0` is {launch_kg} kg");
     let agree = (total_kg - launch_kg).abs() <= 1.0;
     f.require(agree, "mass.components", fault, "make them agree to 1 kg");
+
+    let fault = format!("`freq_ratio` has {} numbers", d.bending.frequency_ratio.len());
+    let two = d.bending.frequency_ratio.len() == MODES - 1;
+    f.require(two, "bending.freq_ratio", fault, "give two: modes 2 and 3 over the first");
+
+    let (aero, length_m) = (&d.aero, d.geometry.length_m);
+    let fault = format!("a nose of {} m on a vehicle of {length_m} m", aero.nose_length_m);
+    f.require(aero.nose_length_m <= length_m, "aero.nose_len", fault, "shorten the nose");
+    for (i, mach) in aero.mach.iter().enumerate() {
+        let (slope, x_m) = (aero.body_slope[i], aero.body_x_m[i]);
+        let loads = BodyLoads::new(d, slope, x_m);
+        let fault = format!(
+            "at Mach {mach} no uniform load gives the body its slope and centre of pressure beside the nose"
+        );
+        let remedy = "bring the rest of CN_body, behind CN_nose, to a centre in the aft half of the vehicle, and x_body off x_fin";
+        if !f.require(loads.is_some(), "aero.CN_nose", fault, remedy) {
+            break;
+        }
+    }
 }

@@ -7,11 +7,40 @@ use std::borrow::Cow;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The criterion is met at every point it names.
+    /// The criterion is met wherever it asks.
     Holds,
+    /// Its core is met, and the remark says where it is not, and why.
+    InPart,
     Fails,
     /// The runs that would decide it are not there.
     NotJudged,
+}
+
+impl Verdict {
+    /// Holds or fails.
+    pub fn of(holds: bool) -> Verdict {
+        if holds { Verdict::Holds } else { Verdict::Fails }
+    }
+
+    /// What holds at its core does so only in part where it does not `everywhere`.
+    pub fn in_part_unless(self, everywhere: bool) -> Verdict {
+        match self {
+            Verdict::Holds if !everywhere => Verdict::InPart,
+            verdict => verdict,
+        }
+    }
+
+    /// The lesser of two that are asked together; what is not judged stays so unless the other
+    /// fails.
+    pub fn and(self, other: Verdict) -> Verdict {
+        use Verdict::{Fails, Holds, InPart, NotJudged};
+        match (self, other) {
+            (Fails, _) | (_, Fails) => Fails,
+            (NotJudged, _) | (_, NotJudged) => NotJudged,
+            (InPart, _) | (_, InPart) => InPart,
+            (Holds, Holds) => Holds,
+        }
+    }
 }
 
 /// The figure or table of a report that shows a claim: the judge names it and the report
@@ -35,10 +64,12 @@ impl Evidence {
 pub struct Claim {
     /// Short name, such as `P1`.
     pub id: Cow<'static, str>,
-    /// What the paper says.
+    /// What the paper says: the whole sentence, of which the criterion takes its part.
     pub sentence: Cow<'static, str>,
     /// What was asked of the runs.
     pub criterion: String,
+    /// What would show the sentence to be false.
+    pub falsified_by: Cow<'static, str>,
     /// What was found: the worst value and where.
     pub measured: String,
     pub verdict: Verdict,
@@ -56,8 +87,9 @@ impl Claim {
             id: id.into(),
             sentence: statement.into().into(),
             criterion: String::new(),
+            falsified_by: "".into(),
             measured: String::new(),
-            verdict: if holds { Verdict::Holds } else { Verdict::Fails },
+            verdict: Verdict::of(holds),
             remark: None,
             evidence: Evidence::at(id),
         }

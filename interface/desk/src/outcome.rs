@@ -10,7 +10,7 @@
 //! title     in words
 //! results   named numbers, snake_case with the unit: {"max_q_pa": 94871.2}
 //! tables    by name, each a list of rows keyed like `results`
-//! claims    id, sentence, criterion, measured, verdict, remark
+//! claims    id, sentence, criterion, falsified_by, measured, verdict, remark
 //! remarks   what a reader of the numbers must know
 //! error     null, or exit_code, text and the faults of a user's file: code, file, line, column,
 //!           fault, remedy

@@ -1,9 +1,11 @@
 //! What a long-period study comes to: a row a mode, with all its flights.
 
 use vehicle::{
-    ScheduleData, Vehicle,
+    RangeSafety, ScheduleData, Vehicle,
     flight_mode::{FlightScript, Schedule},
     flight_summary::{FlightSample, FlightSummary},
+    table::TableError,
+    wind::Wind,
 };
 
 /// Wind of a flight.
@@ -15,14 +17,34 @@ pub enum FlightWind {
     DesignCase,
     /// The same profile from behind.
     Reversed,
+    /// The design wind times [`STRONG`].
+    Strong,
 }
 
+/// Factor of the wind in which trajectories are compared beyond the design case. The envelope is
+/// the mean and 1.65 σ of the shipped wind statistics (0.55 and 0.27 of it); 1.6 of it lies at
+/// 3.9 σ, beyond every wind that the vehicle is launched into.
+pub const STRONG: f64 = 1.6;
+
 impl FlightWind {
+    /// The wind itself.
+    pub(super) fn of(self, vehicle: &Vehicle) -> Result<Wind, TableError> {
+        let factor = match self {
+            FlightWind::Calm => return Ok(Wind::Calm),
+            FlightWind::DesignCase => 1.0,
+            FlightWind::Reversed => -1.0,
+            FlightWind::Strong => STRONG,
+        };
+        let sign = factor * vehicle.data().long_period_case.wind_sign;
+        Wind::signed(vehicle, sign, sign)
+    }
+
     pub(super) fn words(self) -> &'static str {
         match self {
             FlightWind::Calm => "calm",
             FlightWind::DesignCase => "design wind",
             FlightWind::Reversed => "reversed wind",
+            FlightWind::Strong => "1.6 × design wind",
         }
     }
 }
@@ -51,7 +73,7 @@ impl Flown {
     }
 }
 
-/// Departure of a flight's burn-out from the undisturbed normal flight's.
+/// Departure of a flight's burn-out from another's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Departure {
     /// Of the velocity, fraction.
@@ -131,39 +153,39 @@ pub struct ModeResult {
     pub reduced_schedule: bool,
     /// The design case.
     pub design: Flown,
-    /// Its departure from the undisturbed normal flight.
-    pub departure: Option<Departure>,
     /// Its samples, one a trajectory step.
     pub history: Vec<FlightSample>,
     /// The same wind with other misalignments in pitch.
     pub envelope: Vec<Flown>,
     /// The design case with the wind reversed.
     pub reversed: Option<Flown>,
+    /// The design case in the strong wind, for its trajectory alone: its load is beyond design.
+    pub strong: Option<Flown>,
 }
 
 impl ModeResult {
     /// Before anything was flown but the design case.
-    pub(super) fn new(
-        script: &FlightScript,
-        design: Flown,
-        history: Vec<FlightSample>,
-        nominal: &FlightSummary,
-    ) -> Self {
+    pub(super) fn new(script: &FlightScript, design: Flown, history: Vec<FlightSample>) -> Self {
         Self {
             name: script.name.clone(),
             text: script.text.clone(),
             reduced_schedule: script.schedule == Schedule::Reduced,
-            departure: design.ended.as_ref().ok().map(|flight| Departure::new(flight, nominal)),
             design,
             history,
             envelope: Vec::new(),
             reversed: None,
+            strong: None,
         }
     }
 
-    /// Every flight of the mode.
+    /// Every flight of the mode in winds that it is designed for.
     pub fn flights(&self) -> impl Iterator<Item = &Flown> {
         self.in_design_wind().chain(&self.reversed)
+    }
+
+    /// These and the strong wind.
+    pub(super) fn all_flights(&self) -> impl Iterator<Item = &Flown> {
+        self.flights().chain(&self.strong)
     }
 
     /// The design case and its envelope.
@@ -181,6 +203,8 @@ pub struct LongPeriodResults {
     pub nominal: FlightSummary,
     /// Its samples.
     pub nominal_history: Vec<FlightSample>,
+    /// The flights of the sound vehicle, in the winds and under the misalignments of every mode's.
+    pub sound: Vec<Flown>,
     /// The modes in the failure file's order.
     pub modes: Vec<ModeResult>,
     /// The designed gain schedule (figure 7).
@@ -189,9 +213,25 @@ pub struct LongPeriodResults {
     pub reduced: ScheduleData,
     /// Side-force fluid carried, kg.
     pub carried_kg: f64,
+    /// Where the vehicle may come down.
+    pub range_safety: RangeSafety,
 }
 
 impl LongPeriodResults {
+    /// Departure of a flight's burn-out from that of the sound vehicle in the same wind under the
+    /// same misalignments: what the mode does, apart from what wind and misalignment do. `None`
+    /// where either was lost.
+    pub fn departure(&self, flown: &Flown) -> Option<Departure> {
+        let alike = |s: &&Flown| s.wind == flown.wind && s.misalignment == flown.misalignment;
+        let sound = self.sound.iter().find(alike)?.ended.as_ref().ok()?;
+        Some(Departure::new(flown.ended.as_ref().ok()?, sound))
+    }
+
+    /// The largest part of that departure over what is accepted; infinite where there is none.
+    pub(super) fn severity(&self, flown: &Flown) -> f64 {
+        self.departure(flown).map_or(f64::INFINITY, |d| d.severity(&self.accept))
+    }
+
     /// The flight with the greatest use of side-force fluid (objective v), in kg, among all that
     /// were flown, with its mode; yaw misalignment is nominal in all of them.
     pub fn worst_fuel(&self) -> Option<(&ModeResult, &Flown, f64)> {

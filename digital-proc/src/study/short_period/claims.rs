@@ -87,8 +87,7 @@ impl<'a> Worst<'a> {
             (None, None) => Verdict::NotJudged,
             (_, Some(_)) => Verdict::Fails,
             (Some((value, _)), None) => {
-                let kept = if self.upper { value <= bound } else { value >= bound };
-                if kept { Verdict::Holds } else { Verdict::Fails }
+                Verdict::of(if self.upper { value <= bound } else { value >= bound })
             }
         }
     }
@@ -107,14 +106,6 @@ impl<'a> Worst<'a> {
             (None, Some((value, point))) => format!("{} at {point}", show(value)),
             (None, None) => "no runs".to_owned(),
         }
-    }
-}
-
-fn both(a: Verdict, b: Verdict) -> Verdict {
-    match (a, b) {
-        (Verdict::Fails, _) | (_, Verdict::Fails) => Verdict::Fails,
-        (Verdict::Holds, Verdict::Holds) => Verdict::Holds,
-        _ => Verdict::NotJudged,
     }
 }
 

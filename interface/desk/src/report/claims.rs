@@ -1,4 +1,5 @@
-//! The claims table: a sentence, its criterion, what was measured, and whether it holds.
+//! The claims table: a sentence, its criterion and what would falsify it, what was measured, and
+//! whether it holds.
 
 use super::Numbering;
 use crate::claim::{Claim, Verdict};
@@ -9,6 +10,7 @@ impl Verdict {
     fn told(self) -> (char, &'static str, &'static str) {
         match self {
             Verdict::Holds => ('✓', "holds", "holds"),
+            Verdict::InPart => ('◐', "holds in part", "in-part"),
             Verdict::Fails => ('✗', "does not hold", "fails"),
             Verdict::NotJudged => ('·', "not judged", "not-judged"),
         }
@@ -23,7 +25,7 @@ pub fn claims_table(claims: &[Claim], drawn: &Numbering) -> Markup {
     let heads = if checks {
         &["", "Check", "Verdict"][..]
     } else {
-        &["", "Sentence", "Criterion", "Measured", "Verdict"]
+        &["", "Sentence", "Criterion", "Falsified by", "Measured", "Verdict"]
     };
     html! {
         p { (count(claims)) }
@@ -35,6 +37,7 @@ pub fn claims_table(claims: &[Claim], drawn: &Numbering) -> Markup {
                     @if !checks {
                         td { blockquote { (claim.sentence) } }
                         td { (claim.criterion) }
+                        td { (claim.falsified_by) }
                     }
                     td {
                         @if checks { (claim.sentence) } @else { (claim.measured) }
@@ -64,6 +67,10 @@ pub fn claims_text(claims: &[Claim]) -> String {
             criterion => format!("{}  (criterion: {criterion})", claim.measured),
         };
         out.push_str(&format!("{mark} {verdict:words$}  {:ids$}  {said}\n", claim.id));
+        if !claim.falsified_by.is_empty() {
+            let by = &claim.falsified_by;
+            out.push_str(&format!("  {:words$}  {:ids$}  falsified by: {by}\n", "", ""));
+        }
         if let (false, Some(remark)) = (claim.holds(), &claim.remark) {
             out.push_str(&format!("  {:words$}  {:ids$}  {remark}\n", "", ""));
         }
@@ -76,6 +83,9 @@ pub fn claims_text(claims: &[Claim]) -> String {
 fn count(claims: &[Claim]) -> String {
     let of = |verdict| claims.iter().filter(|c| c.verdict == verdict).count();
     let mut parts = vec![format!("{} of {} claims hold", of(Verdict::Holds), claims.len())];
+    if of(Verdict::InPart) > 0 {
+        parts.push(format!("{} in part", of(Verdict::InPart)));
+    }
     if of(Verdict::Fails) > 0 {
         parts.push(format!("{} not", of(Verdict::Fails)));
     }
@@ -96,6 +106,7 @@ mod tests {
             evidence: Evidence::at("figure-4"),
             sentence: "quite <satisfactory>".into(),
             criterion: "≤ 25 %".to_owned(),
+            falsified_by: "a point above 25 %".into(),
             measured: "31 %".to_owned(),
             verdict,
             remark: Some("at 47 s".to_owned()),
@@ -113,13 +124,18 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_claim_is_said_in_words_and_counted() {
-        let claims = [Verdict::Holds, Verdict::Fails].map(claim);
+    fn every_verdict_is_said_in_words_and_counted() {
+        let claims = [Verdict::Holds, Verdict::InPart, Verdict::Fails].map(claim);
         let html = claims_table(&claims, &Numbering::new()).into_string();
-        assert!(html.contains("1 of 2 claims hold, 1 not."));
-        assert!(html.contains("✗\u{202f}does not hold") && html.contains("&lt;satisfactory&gt;"));
+        assert!(html.contains("1 of 3 claims hold, 1 in part, 1 not."));
+        for said in ["✗\u{202f}does not hold", "◐\u{202f}holds in part", "&lt;satisfactory&gt;"]
+        {
+            assert!(html.contains(said) && html.contains("a point above 25 %"), "{said}");
+        }
         let text = claims_text(&claims);
-        assert!(text.contains("✗ does not hold") && text.contains("at 47 s"), "{text}");
+        assert!(text.contains("✗ does not hold") && text.contains("◐ holds in part"), "{text}");
+        assert!(text.matches("at 47 s").count() == 2, "{text}");
+        assert!(text.matches("falsified by: a point above 25 %").count() == 3, "{text}");
     }
 
     #[test]

@@ -4,8 +4,7 @@ use super::super::control_loop::Test::{Disturbed, StepOnly};
 use super::super::plan::PlannedPoint;
 use super::super::results::{Results, Run};
 use super::{
-    BENDING, BENDING_GROWTH, FIGURE_4, FTC_GAIN_LOST, NORMAL, OVERSHOOTS, TVC_FAST, TVC_SLOW,
-    Worst, both,
+    BENDING, BENDING_GROWTH, FIGURE_4, FTC_GAIN_LOST, NORMAL, OVERSHOOTS, TVC_FAST, TVC_SLOW, Worst,
 };
 use desk::claim::{Claim, Verdict};
 
@@ -22,11 +21,9 @@ const BENDING_LATE: f64 = 0.20;
 /// quarter, since tips at their limit leave nothing for damping.
 const AUTHORITY_NEEDED: f64 = 1.25;
 
-const FAILURE_SENTENCE: &str = "under two of the failure mode conditions (extreme reduction in FTC \
-     channel gain and TVC actuator time constant reduction to a low value), the response exhibits \
-     an unacceptable oscillatory behaviour";
+const STEP_SENTENCE: &str = "For a step command in pitch, the normal mode response of θ is found to be quite satisfactory, whereas under two of the failure mode conditions (extreme reduction in FTC channel gain and TVC actuator time constant reduction to a low value), the response exhibits an unacceptable oscillatory behaviour.";
 const BENDING_SENTENCE: &str =
-    "The generalised co-ordinate associated with the first bending mode attenuates rapidly";
+    "The generalised co-ordinate associated with the first bending mode attenuates rapidly.";
 
 pub(super) fn p1(results: &Results) -> Claim {
     let overshoot = Worst::greatest(results.under(NORMAL, StepOnly), |r| r.measures.overshoot);
@@ -36,16 +33,15 @@ pub(super) fn p1(results: &Results) -> Claim {
     Claim {
         id: "P1".into(),
         evidence: OVERSHOOTS,
-        sentence: "For a step command in pitch, the normal mode response of θ is found to be \
-                   quite satisfactory"
-            .into(),
+        sentence: STEP_SENTENCE.into(),
         criterion: format!(
             "normal mode, every point: overshoot ≤ {:.0} %, residual oscillation ≤ {:.0} % of the step",
             100.0 * OVERSHOOT_P1,
             100.0 * RESIDUAL_P1
         ),
+        falsified_by: "a point where the normal mode overshoots or rings by more".into(),
         measured: format!("overshoot {}, residual {}", overshoot.percent(), residual.percent()),
-        verdict: both(overshoot.against(OVERSHOOT_P1), residual.against(RESIDUAL_P1)),
+        verdict: overshoot.against(OVERSHOOT_P1).and(residual.against(RESIDUAL_P1)),
         remark: (reduced.against(OVERSHOOT_P1) == Verdict::Fails).then(|| {
             format!("the reduced schedule does not meet it: overshoot {}", reduced.percent())
         }),
@@ -72,11 +68,13 @@ pub(super) fn p2(results: &Results) -> Claim {
     Claim {
         id: "P2".into(),
         evidence: FIGURE_4,
-        sentence: FAILURE_SENTENCE.into(),
+        sentence: STEP_SENTENCE.into(),
         criterion: format!(
             "FTC gain × 0.05: residual oscillation ≥ {:.0} % of the step from FTC switch-in to {until_s} s",
             100.0 * OSCILLATORY
         ),
+        falsified_by: "a point in that time at which the response with the gain lost does not ring"
+            .into(),
         measured: format!("least {}", claimed.percent()),
         verdict: claimed.against(OSCILLATORY),
         remark: (!later.is_empty()).then(|| {
@@ -99,12 +97,14 @@ pub(super) fn p3(results: &Results) -> Claim {
     Claim {
         id: "P3".into(),
         evidence: FIGURE_4,
-        sentence: FAILURE_SENTENCE.into(),
+        sentence: STEP_SENTENCE.into(),
         criterion: format!(
             "TVC pole 10 → 1 rad/s: residual oscillation ≥ {:.0} % of the step wherever the TVC is \
              needed (no fin tips, or tip authority below {AUTHORITY_NEEDED} of the static load)",
             100.0 * OSCILLATORY
         ),
+        falsified_by: "a point that needs the TVC and does not ring with its pole at 1 rad/s"
+            .into(),
         measured: format!("least {}", needed.percent()),
         verdict: needed.against(OSCILLATORY),
         remark: elsewhere
@@ -135,10 +135,11 @@ pub(super) fn p4(results: &Results) -> Claim {
     Claim {
         id: "P4".into(),
         evidence: BENDING_GROWTH,
-        sentence: FAILURE_SENTENCE.into(),
+        sentence: STEP_SENTENCE.into(),
         criterion: "TVC time constant 0.1 → 0.005 s: the bending envelope grows from window to \
                     window before the fin tips are switched in"
             .to_owned(),
+        falsified_by: "a point without tips at which the bending mode decays".into(),
         measured: format!("least growth {}", claimed.text(|v| format!("× {v:.2}"))),
         verdict,
         remark: Some(format!(
@@ -164,8 +165,9 @@ pub(super) fn p5(results: &Results) -> Claim {
             100.0 * BENDING_MIDDLE,
             100.0 * BENDING_LATE
         ),
+        falsified_by: "a point in normal mode at which the bending coordinate keeps more".into(),
         measured: format!("{}, {}", middle.percent(), late.percent()),
-        verdict: both(middle.against(BENDING_MIDDLE), late.against(BENDING_LATE)),
+        verdict: middle.against(BENDING_MIDDLE).and(late.against(BENDING_LATE)),
         remark: None,
     }
 }
@@ -180,6 +182,8 @@ pub(super) fn p6(results: &Results) -> Claim {
             "FTC gain × 0.05, every point with fin tips: bending envelope ≤ {:.0} % of its first by 5–6.5 s",
             100.0 * BENDING_MIDDLE
         ),
+        falsified_by: "a point with the FTC gain lost at which the bending coordinate keeps more"
+            .into(),
         measured: middle.percent(),
         verdict: middle.against(BENDING_MIDDLE),
         remark: None,
