@@ -46,7 +46,6 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Check a patch: report all its faults, or its size, order and static check
     Check(check::Check),
     Run(run::Run),
     Sweep(sweep::Sweep),
