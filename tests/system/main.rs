@@ -3,6 +3,7 @@
 
 mod bench_top;
 mod case_study;
+mod catalogue;
 mod checkpoints;
 mod determinism;
 mod endings;

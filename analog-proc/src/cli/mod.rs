@@ -47,7 +47,6 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Check a patch: report all its faults, or its size, order and static check
     Check(check::Check),
     Run(run::Run),
     Resume(run::Resume),
