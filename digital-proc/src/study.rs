@@ -2,8 +2,10 @@
 
 pub mod bending_moment;
 pub mod case_study;
+pub mod catalogue;
 pub mod fault;
 pub mod gain_design;
 pub mod long_period;
 pub mod sensitivity;
 pub mod short_period;
+pub mod tankage;
