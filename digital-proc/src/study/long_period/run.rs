@@ -135,8 +135,8 @@ pub fn run(
     };
     let cases = flights.iter().map(case).collect::<Result<Vec<_>, StudyFault>>()?;
     let answers = fly_all(console, vehicle, plan, (&cases, true), progress)?;
-    let mut flown = flights.into_iter().zip(answers).map(|(flight, (ended, history, moments))| {
-        let (_, wind, misalignment) = flight;
+    let mut flown = flights.into_iter().zip(answers).map(|(flight, answer)| {
+        let ((_, wind, misalignment), Answer { ended, history, moments }) = (flight, answer);
         (Flown { wind, misalignment, ended, moments }, history)
     });
     let mut next = || flown.next().ok_or(StudyFault::LostFlight);
@@ -172,12 +172,16 @@ pub fn run(
     })
 }
 
-/// What a flight came to, or why it was lost, its history, and its bending moments if it is shown.
-pub type Answer = (
-    Result<FlightSummary, String>,
-    Vec<FlightSample>,
-    Option<Result<BendingMoments<2>, StructureError>>,
-);
+/// One flight.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// What it came to, or why it was lost.
+    pub ended: Result<FlightSummary, String>,
+    /// Its samples, one a trajectory step, where they are kept.
+    pub history: Vec<FlightSample>,
+    /// Its bending moments, of a flight that is kept and shown.
+    pub moments: Option<Result<BendingMoments<2>, StructureError>>,
+}
 
 /// Whether a flight's bending moments are shown: the undisturbed ones and the design cases.
 fn is_shown(vehicle: &Vehicle, case: &FlightCase) -> Result<bool, StudyFault> {
@@ -305,13 +309,14 @@ impl<'a> Bench<'a> {
             },
         );
         let moments = moments.map(FlightMoments::finish);
-        match flown {
-            Ok(summary) => Ok((Ok(summary), history, moments)),
+        let ended = match flown {
+            Ok(summary) => Ok(summary),
             Err(
                 fault @ (FlightFault::Trajectory(_)
                 | FlightFault::Console(ConsoleFault::RunFault { .. })),
-            ) => Ok((Err(fault.to_string()), history, moments)),
-            Err(fault) => Err(fault.into()),
-        }
+            ) => Err(fault.to_string()),
+            Err(fault) => return Err(fault.into()),
+        };
+        Ok(Answer { ended, history, moments })
     }
 }
