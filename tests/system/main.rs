@@ -16,6 +16,7 @@ mod kills;
 mod linear;
 mod long_period;
 mod loop_study;
+mod loops;
 mod partition;
 mod pictures;
 mod replay;
