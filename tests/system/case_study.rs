@@ -92,7 +92,7 @@ fn the_whole_case_study_holds_and_both_links_give_its_golden_numbers() {
     let bench = BenchTop::new();
     let runs = bench.runs();
     let run = |link: &str| {
-        let out = ["case-study", "--link", link, "--no-sensitivity", "--out"];
+        let out = ["case-study", "--link", link, "--no-sensitivity", "--no-catalogue", "--out"];
         expect(bench.command(DIGITAL, &out).arg(&runs), 0)
     };
     let shm = String::from_utf8(run("shm").stdout).unwrap();

@@ -3,6 +3,8 @@
 
 mod bench_top;
 mod case_study;
+mod catalogue;
+mod checkpoints;
 mod determinism;
 mod endings;
 mod exercises;

@@ -3,6 +3,7 @@
 //! Exit codes stand in [`desk::command_line`].
 
 mod case_study;
+mod catalogue;
 mod design_gains;
 mod failure;
 mod failures;
@@ -78,6 +79,8 @@ enum Command {
     Sampling(sampling::Sampling),
     /// Fly every mode of the failure file and judge the claims about trajectory and loads
     LongPeriod(long_period::LongPeriod),
+    /// Catalogue what becomes of each failure at each time of its occurrence
+    Catalogue(catalogue::Catalogue),
     /// List the modes of a failure file, or print the shipped one to start from
     Failures(failures::Failures),
     /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
@@ -189,6 +192,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             Command::ShortPeriod(c) => c.execute(&context),
             Command::Sampling(c) => c.execute(&context),
             Command::LongPeriod(c) => c.execute(&context),
+            Command::Catalogue(c) => c.execute(&context),
             Command::Failures(c) => c.execute(),
             Command::DesignGains(c) => c.execute(&context),
             Command::Sensitivity(c) => c.execute(&context),

@@ -1,8 +1,9 @@
-//! The paper's whole case study (§4) in one session: short period, long period, and
-//! sensitivities to dispersed parameters. It runs the studies after one another and composes
+//! The paper's whole case study (§4) in one session: short period, long period, tankage, the
+//! catalogue of failures, and sensitivities to dispersed parameters. It runs the studies after one another and composes
 //! what they came to; judging and drawing are their own.
 
 use super::{
+    catalogue::{self, Catalogue, CataloguePlan},
     fault::StudyFault,
     long_period::{
         self,
@@ -21,6 +22,7 @@ use super::{
         plan::Plan,
         results::Results,
     },
+    tankage::{self, Tankage},
 };
 use crate::{linkage::console::Console, report::block_diagram};
 use desk::{
@@ -36,6 +38,8 @@ pub struct CasePlan {
     pub short: Plan,
     /// The flights; their profile is that of the whole session.
     pub long: LongPeriodPlan,
+    /// The catalogue, if it is asked for; no claim needs it.
+    pub catalogue: Option<CataloguePlan>,
     /// Dispersions of the pitch loop, if they are asked for; no claim needs them.
     pub dispersions: Option<Dispersions>,
 }
@@ -43,7 +47,12 @@ pub struct CasePlan {
 impl CasePlan {
     /// Number of runs and flights.
     pub fn runs(&self) -> usize {
-        self.short.cases.len() + self.long.flights() + self.dispersions.as_ref().map_or(0, loops)
+        self.short.cases.len() + self.flights() + self.dispersions.as_ref().map_or(0, loops)
+    }
+
+    fn flights(&self) -> usize {
+        let catalogue = self.catalogue.as_ref().map_or(0, CataloguePlan::flights);
+        self.long.flights() + tankage::flights(self.long.modes.len()) + catalogue
     }
 }
 
@@ -54,6 +63,10 @@ pub struct CaseResults {
     pub short: Results,
     /// Long period.
     pub long: LongPeriodResults,
+    /// Tankage.
+    pub tankage: Tankage,
+    /// The catalogue of failures.
+    pub catalogue: Option<Catalogue>,
     /// Sensitivities, point by point.
     pub sensitivity: Vec<PointSensitivity>,
     /// SHA-256 of each patch that ran, by its name.
@@ -74,6 +87,14 @@ pub fn run(
     let stage = (plan.long.patch.root.clone(), console.patch_hash().to_owned());
     let patches = short.patches.iter().cloned().chain([stage]).collect();
     let done = done + plan.long.flights();
+    let tankage = tankage::run(console, vehicle, &plan.long, |flights| progress(done + flights))?;
+    let done = done + tankage::flights(plan.long.modes.len());
+    let flown = |flights| progress(done + flights);
+    let catalogue = match &plan.catalogue {
+        Some(wanted) => Some(catalogue::run(console, vehicle, &plan.long, wanted, flown)?),
+        None => None,
+    };
+    let done = plan.short.cases.len() + plan.flights();
     let sensitivity = match &plan.dispersions {
         Some(dispersions) => {
             let bench = Bench::pitch(console, profile)?;
@@ -81,7 +102,7 @@ pub fn run(
         }
         None => Vec::new(),
     };
-    Ok(CaseResults { short, long, sensitivity, patches })
+    Ok(CaseResults { short, long, tankage, catalogue, sensitivity, patches })
 }
 
 impl CaseResults {
@@ -95,7 +116,7 @@ impl CaseResults {
                 of(ControlLoop::Pitch),
                 of(ControlLoop::YawRoll),
                 plan.short.points.len(),
-                plan.long.flights()
+                plan.flights()
             ),
         );
         out.section("Partition").figure(Figure::new(
@@ -105,6 +126,10 @@ impl CaseResults {
         ));
         short_period::paper::fill(&self.short, &mut out);
         long_period::outcome::fill(&self.long, plan.long.step, &mut out);
+        self.tankage.fill(&mut out);
+        if let Some(catalogue) = &self.catalogue {
+            catalogue.fill(&mut out);
+        }
         if let Some(dispersions) = &plan.dispersions {
             sensitivity::outcome::fill(&self.sensitivity, dispersions, &mut out);
         }

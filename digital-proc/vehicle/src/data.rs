@@ -103,6 +103,7 @@ table! { "`[tvc]`." Tvc
     force_max_n: f64 = number_in("F_max", Positive), "Force limit per axis, N.";
     side_specific_impulse_s: f64 = number_in("Isp_side", Positive), "Side specific impulse, s.";
     fluid_kg: f64 = number_in("fluid", NotNegative), "Injectant carried, kg.";
+    reserve_fraction: f64 = number_in("reserve", NotNegative), "Reserve on the fluid asked for, fraction.";
 }
 
 table! { "`[gyro]`." Gyro

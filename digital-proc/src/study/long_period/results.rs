@@ -211,8 +211,6 @@ pub struct LongPeriodResults {
     pub designed: ScheduleData,
     /// The schedule with fewer switchings (figure 8).
     pub reduced: ScheduleData,
-    /// Side-force fluid carried, kg.
-    pub carried_kg: f64,
     /// Where the vehicle may come down.
     pub range_safety: RangeSafety,
 }
@@ -230,13 +228,5 @@ impl LongPeriodResults {
     /// The largest part of that departure over what is accepted; infinite where there is none.
     pub(super) fn severity(&self, flown: &Flown) -> f64 {
         self.departure(flown).map_or(f64::INFINITY, |d| d.severity(&self.accept))
-    }
-
-    /// The flight with the greatest use of side-force fluid (objective v), in kg, among all that
-    /// were flown, with its mode; yaw misalignment is nominal in all of them.
-    pub fn worst_fuel(&self) -> Option<(&ModeResult, &Flown, f64)> {
-        let all = self.modes.iter().flat_map(|mode| mode.flights().map(move |f| (mode, f)));
-        let all = all.filter_map(|(mode, f)| Some((mode, f, f.ended.as_ref().ok()?.injectant_kg)));
-        all.max_by(|a, b| a.2.total_cmp(&b.2))
     }
 }

@@ -162,7 +162,6 @@ pub fn run(
         modes,
         designed: data.gains.schedule(),
         reduced: data.gains_reduced.clone(),
-        carried_kg: data.tvc.fluid_kg,
         range_safety: data.range_safety.clone(),
     })
 }
