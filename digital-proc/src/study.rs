@@ -5,6 +5,7 @@ pub mod case_study;
 pub mod catalogue;
 pub mod fault;
 pub mod gain_design;
+pub(crate) mod gyro_location;
 pub mod long_period;
 pub mod sensitivity;
 pub mod short_period;

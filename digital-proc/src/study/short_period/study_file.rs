@@ -191,7 +191,7 @@ impl GainSource {
 
 impl Study {
     /// The file, for faults that only a vehicle shows.
-    pub(super) fn source(&self) -> Source<'_> {
+    pub(crate) fn source(&self) -> Source<'_> {
         Source { file: &self.file, text: &self.text }
     }
 }
