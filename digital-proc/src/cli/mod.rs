@@ -10,6 +10,7 @@ mod failures;
 mod fly;
 mod long_period;
 mod replay;
+mod resume;
 mod runs;
 mod sampling;
 mod sensitivity;
@@ -55,6 +56,7 @@ enum Command {
     Fly(fly::Fly),
     /// Repeat a recorded flight in lock-step and compare it to the last bit
     Replay(replay::Replay),
+    Resume(resume::Resume),
     /// The runs so far, oldest first, or the quantities that a study may change
     List(runs::List),
     /// A run's trace as comma-separated values
@@ -183,6 +185,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             Command::CaseStudy(c) => c.execute(&context),
             Command::Fly(c) => c.execute(&context),
             Command::Replay(c) => c.execute(&context),
+            Command::Resume(c) => c.execute(&context),
             Command::List(c) => c.execute(),
             Command::Export(c) => c.execute(),
             Command::Plot(c) => c.execute(),
