@@ -18,6 +18,7 @@ mod kills;
 mod linear;
 mod long_period;
 mod loop_study;
+mod loops;
 mod partition;
 mod pictures;
 mod replay;

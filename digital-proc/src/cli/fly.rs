@@ -11,6 +11,10 @@ use crate::{
     },
     linkage::console::{Console, ConsoleFault},
     report::{block_diagram, flight::variables, pacing},
+    study::bending_moment::{
+        self, BendingMoments,
+        flight::{Beside, FlightMoments},
+    },
 };
 use desk::{
     failure::Failure,
@@ -23,7 +27,11 @@ use desk::{
 use interface::{Tick, control::Overload};
 use std::{fs::File, path::PathBuf};
 use vehicle::{
-    Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary, range_safety::GroundPoint,
+    Vehicle,
+    flight_mode::FlightMode,
+    flight_summary::FlightSummary,
+    range_safety::GroundPoint,
+    structure::{Structure, StructureError},
 };
 
 /// Fly the first stage from lift-off to burn-out.
@@ -216,6 +224,7 @@ pub(super) struct Flight<'a> {
 /// What a flight has left besides its trace.
 pub(super) struct Flown {
     summary: FlightSummary,
+    moments: Result<BendingMoments<2>, StructureError>,
     saturated: Vec<String>,
     overloads: Vec<Overload>,
     paced: Option<Pacing>,
@@ -231,7 +240,16 @@ impl Flight<'_> {
         mut recorder: Recorder<File>,
     ) -> Result<Flown, Failure> {
         let directory = &self.run.directory;
-        let flown = stage.fly_kept(&mut console, self.vehicle, self.plan, how, &mut recorder);
+        let structure = Structure::new(self.vehicle);
+        let case = &self.plan.case;
+        let misalignment = [case.pitch_misalignment, case.yaw_misalignment];
+        let mut moments = FlightMoments::new(&structure, misalignment);
+        if let Some(found) = how.1.from.as_ref().and_then(|from| from.moments.clone()) {
+            moments.resume(found);
+        }
+        let mut watched = Beside { observer: &mut recorder, moments };
+        let flown = stage.fly_kept(&mut console, self.vehicle, self.plan, how, &mut watched);
+        let moments = watched.moments.finish();
         let paced = recorder.pacing.clone();
         let closed = recorder.finish();
         let summary = flown.map_err(|fault| {
@@ -256,12 +274,12 @@ impl Flight<'_> {
         let saturated = closed?.names(console.channels());
         let overloads = console.diagnose()?.overloads;
         console.bye()?;
-        Ok(Flown { summary, saturated, overloads, paced })
+        Ok(Flown { summary, moments, saturated, overloads, paced })
     }
 
     /// Tells what the flight came to.
     pub fn publish(&self, flown: Flown, json: bool) -> Result<(), Failure> {
-        let Flown { summary, saturated, overloads, paced } = flown;
+        let Flown { summary, moments, saturated, overloads, paced } = flown;
         let (run, vehicle) = (self.run, self.vehicle);
         let case = match self.plan_record.wind {
             WindName::DesignCase => "; wind and misalignments of the design case",
@@ -274,6 +292,7 @@ impl Flight<'_> {
         add_results(vehicle, &summary, &mut outcome.results);
         let figures = variables(&run.directory.read_trace_thinned()?, vehicle.data())?;
         outcome.section("The monitored variables").beside(figures);
+        bending_moment::flight::fill(&moments, &mut outcome);
         outcome.section("Partition").figure(Figure::new(
             "partition",
             "Who computes what: control dynamics in the analog processor, trajectory dynamics in the digital one.",

@@ -8,6 +8,7 @@ mod design_gains;
 mod failure;
 mod failures;
 mod fly;
+mod gyro_location;
 mod long_period;
 mod replay;
 mod resume;
@@ -88,6 +89,8 @@ enum Command {
     DesignGains(design_gains::DesignGains),
     /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
     Sensitivity(sensitivity::Sensitivity),
+    /// Damping of the bending modes against the gyro's station; margins of the bending filter
+    GyroLocation(gyro_location::GyroLocation),
     #[command(flatten)]
     Manual(Manual),
 }
@@ -196,6 +199,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             Command::Failures(c) => c.execute(),
             Command::DesignGains(c) => c.execute(&context),
             Command::Sensitivity(c) => c.execute(&context),
+            Command::GyroLocation(c) => c.execute(&context),
             Command::Manual(c) => c.execute::<Cli>(),
         }
     })

@@ -14,9 +14,12 @@ pub use channels::AttitudeSample;
 pub use law::FrameResult;
 pub use timing::{Timing, TransferLog};
 
-use crate::linkage::{
-    console::{Console, ConsoleFault},
-    executive::Rate,
+use crate::{
+    linkage::{
+        console::{Console, ConsoleFault},
+        executive::Rate,
+    },
+    study::bending_moment::flight::Found,
 };
 use channels::StageChannels;
 use desk::run_dir::RunDirError;
@@ -103,6 +106,8 @@ pub struct FlightState {
     analog: AnalogState,
     law: LawState,
     monitor: FlightMonitor,
+    /// The bending moments up to there, where they are looked at.
+    pub moments: Option<Found>,
 }
 
 /// How a flight keeps its state, and what it goes on from.
@@ -321,7 +326,8 @@ impl<O: Observer> Law for Flying<'_, O> {
         }
         let analog = AnalogState { frame, bytes: analog };
         let (law, monitor) = (self.law.kept(), self.monitor.clone());
-        if let Err(fault) = self.observer.keep(FlightState { analog, law, monitor }) {
+        if let Err(fault) = self.observer.keep(FlightState { analog, law, monitor, moments: None })
+        {
             self.lost = Some(fault.into());
         }
     }
