@@ -6,7 +6,10 @@ use super::{
 };
 use crate::study::short_period::{
     claims::NORMAL,
-    control_loop::Test,
+    control_loop::{
+        Offset::{Both, LargeYaw},
+        Test,
+    },
     machine::{self, Patches},
     outcome::outcome,
     plan::Plan,
@@ -32,7 +35,7 @@ pub struct ShortPeriod {
 enum Loops {
     /// Step command in pitch under thrust misalignment and a step gust
     Pitch(Runs),
-    /// Initial offsets in yaw and roll, whose loops share the fin tips
+    /// Initial offsets in yaw (small and large) and roll, whose loops share the fin tips
     YawRoll {
         /// Tips for roll only and thrust vector for yaw only, instead of sharing the tips
         #[arg(long)]
@@ -64,7 +67,7 @@ impl ShortPeriod {
             }
             Loops::YawRoll { decoupled, runs } => {
                 let test = if decoupled { Test::Dedicated } else { Test::Shared };
-                runs.execute(context, "short-period yaw-roll", &[test])
+                runs.execute(context, "short-period yaw-roll", &[test(Both), test(LargeYaw)])
             }
         }
     }
@@ -77,6 +80,7 @@ impl Runs {
         for condition in &mut study.conditions {
             condition.overshoot = true;
             condition.dedicated = true;
+            condition.offsets = true;
         }
         let mut plan = Plan::new(&study, &vehicle)?;
         let condition = Some(self.condition.as_str()).filter(|name| *name != "all");

@@ -16,6 +16,7 @@ use super::{
     },
     short_period::{
         self,
+        claims::reduced_against_p1,
         control_loop::ControlLoop,
         machine::{self, Bench, Patches},
         plan::Plan,
@@ -109,7 +110,7 @@ impl CaseResults {
             sensitivity::outcome::fill(&self.sensitivity, dispersions, &mut out);
         }
         out.claims_on_terminal();
-        re_evaluated(&mut out.claims);
+        re_evaluated(&mut out.claims, reduced_against_p1(&self.short));
         let not_judged = out.claims.iter().filter(|c| c.verdict == Verdict::NotJudged);
         let not_judged: Vec<&str> = not_judged.map(|c| &*c.id).collect();
         if !not_judged.is_empty() {
@@ -121,8 +122,7 @@ impl CaseResults {
 
 /// The paper: the reduced schedule "has to be reevaluated again by reverting to the short period
 /// analysis". What that finds belongs beside its claim.
-fn re_evaluated(claims: &mut [Claim]) {
-    let found = claims.iter().find(|c| c.id == "P1").and_then(|c| c.remark.clone());
+fn re_evaluated(claims: &mut [Claim], found: Option<String>) {
     let claim = claims.iter_mut().find(|c| c.id == "L3");
     if let (Some(claim), Some(found)) = (claim, found) {
         claim.verdict = claim.verdict.in_part_unless(false);

@@ -3,13 +3,14 @@
 //! The judge reads only the measured runs, so that it serves the hybrid
 //! machine's answers and the reference's alike. Conditions are known by their names
 //! in the study file ([`NORMAL`], [`FTC_GAIN_LOST`], [`TVC_SLOW`], [`TVC_FAST`]); a
-//! study without one of them leaves its claims unjudged. A measure that a run does
+//! study without one of them leaves its claims unjudged, and one without `offsets` those that ask
+//! for a cause. A measure that a run does
 //! not yield (a diverged attitude, say) fails a claim that bounds it from above.
 
 mod pitch;
 mod yaw_roll;
 
-pub use pitch::{BENDING_MIDDLE, OSCILLATORY, OVERSHOOT_P1, RESIDUAL_P1};
+pub use pitch::{BENDING_MIDDLE, OSCILLATORY, OVERSHOOT_P1, RESIDUAL_P1, reduced_against_p1};
 
 use super::results::{Results, Run};
 use desk::claim::{Claim, Evidence, Verdict};
@@ -27,13 +28,15 @@ pub const TVC_FAST: &str = "tvc-fast";
 pub(super) const FIGURE_4: Evidence = Evidence::at("figure-4");
 pub(super) const FIGURE_5: Evidence = Evidence::at("figure-5");
 pub(super) const BENDING_GROWTH: Evidence = Evidence::at("bending-growth");
+pub(super) const YAW_ROLL: Evidence = Evidence::at("yaw_roll");
 pub(super) const OVERSHOOTS: Evidence = Evidence::at("matrix-overshoot");
+pub(super) const RESIDUALS: Evidence = Evidence::at("matrix-residual");
 pub(super) const BENDING: Evidence = Evidence::at("matrix-bending");
 
-/// Judges P1 to P6 and Y1 to Y4.
+/// Judges P1 to P7 and Y1 to Y4.
 pub fn judge(results: &Results) -> Vec<Claim> {
     use {pitch::*, yaw_roll::*};
-    [p1, p2, p3, p4, p5, p6, y1, y2, y3, y4].map(|claim| claim(results)).into()
+    [p1, p2, p3, p4, p5, p6, p7, y1, y2, y3, y4].map(|claim| claim(results)).into()
 }
 
 /// The worst value of some runs with its point: greatest where the bound is an upper one.
@@ -98,6 +101,11 @@ impl<'a> Worst<'a> {
 
     fn seconds(&self) -> String {
         self.text(|v| format!("{v:.2} s"))
+    }
+
+    /// To the millisecond.
+    fn fine_seconds(&self) -> String {
+        self.text(|v| format!("{v:.3} s"))
     }
 
     fn text(&self, show: impl Fn(f64) -> String) -> String {

@@ -5,7 +5,7 @@ use super::{
     agreement::Compared,
     control_loop::{Channel, ControlLoop, Response},
     linear::{ChannelGains, Root},
-    measure::{PITCH_BAND, ROLL_BAND_DEG, YAW_BAND_DEG},
+    measure::{LARGE_YAW_BAND, PITCH_BAND, ROLL_BAND_DEG, YAW_BAND},
     metrics::Oscillation,
     results::{Results, Run},
 };
@@ -76,6 +76,8 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 Column::new("Test", "", |r: &Run| r.case.test.words().into()),
                 Column::new("Overshoot", "%", |r| percent(r.measures.overshoot)),
                 Column::new("Settling", "s", |r| r.measures.settling_s.into()),
+                Column::new("Peak θ", "of the step", |r| r.measures.peak.into()),
+                Column::new("Standing error", "deg", |r| degrees(r.measures.standing_error_rad)),
                 Column::new("Residual", "%", |r| percent(r.measures.residual)),
                 Column::new("η by 6.5 s", "%", |r| percent(r.measures.bending_ratio(1))),
                 Column::new("η by 9.5 s", "%", |r| percent(r.measures.bending_ratio(2))),
@@ -102,8 +104,12 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
             columns.extend([
                 Column::new("Tips", "", |r: &Run| r.case.test.words().into()),
                 Column::new("Given to roll", "s", |r| r.measures.tips_given_to_roll_s.into()),
+                Column::new("Tips short", "s", |r| r.measures.tips_short_s.into()),
+                Column::new("TVC begins", "s", |r| r.measures.tvc_begins_s.into()),
                 Column::new("TVC called", "s", |r| r.measures.tvc_called_s.into()),
+                Column::new("TVC peak", "N", |r| r.measures.tvc_peak_n.into()),
                 Column::new("Roll fallen", "s", |r| r.measures.roll_fallen_s.into()),
+                Column::new("Yaw share before", "%", |r| percent(r.measures.yaw_share_before)),
                 Column::new("Yaw share then", "%", |r| percent(r.measures.yaw_share_after)),
                 Column::new("Yaw settling", "s", |r| r.measures.settling_s.into()),
                 Column::new("Roll settling", "s", |r| r.measures.roll_settling_s.into()),
@@ -117,7 +123,9 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 }),
             ]);
             let caption = format!(
-                "Measures of each yaw–roll run. Settling is to {YAW_BAND_DEG}° in yaw and {ROLL_BAND_DEG}° in roll about the final value."
+                "Measures of each yaw–roll run. Settling is to {:.0} % of the yaw offset ({:.0} % of the large one) in yaw and to {ROLL_BAND_DEG}° in roll about the final value; the tips are short where, less what roll has of them, they cannot give what their gain asks for the yaw offset.",
+                100.0 * YAW_BAND,
+                100.0 * LARGE_YAW_BAND
             );
             ("yaw_roll", caption)
         }

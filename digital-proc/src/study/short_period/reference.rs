@@ -87,8 +87,9 @@ fn derivative(settings: &Settings, x: &State) -> State {
     dx[GYRO_SLOPE] = plane.gyro_spring * (station_rate - x[GYRO]) - plane.gyro_drag * x[GYRO_SLOPE];
     let attitude_error = settings.command_rad - (x[THETA] + plane.imu_slope * x[ETA]);
     let tvc_error = attitude_error - plane.tvc_lead * x[GYRO];
+    let width = plane.dead_zone - plane.dead_zone_yield * (x[TIP2] - x[TIP4]).abs() / 2.0;
     let tvc_command =
-        limited(plane.tvc_gain * dead_zone(tvc_error, plane.dead_zone), plane.tvc_limit);
+        limited(plane.tvc_gain * dead_zone(tvc_error, width.max(0.0)), plane.tvc_limit);
     dx[TVC] = plane.tvc_bandwidth * (tvc_command - x[TVC]);
     let ftc_error = attitude_error - plane.ftc_lead * x[GYRO];
     dx[FILTERED] = plane.filter_pole * (ftc_error - x[FILTERED]);

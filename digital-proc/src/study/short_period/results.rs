@@ -84,7 +84,7 @@ pub struct Results {
 
 impl Results {
     /// Runs of a test under a condition.
-    pub fn under(&self, condition: &str, test: Test) -> impl Iterator<Item = &Run> {
+    pub fn under(&self, condition: &str, test: Test) -> impl Iterator<Item = &Run> + Clone {
         self.runs.iter().filter(move |r| r.case.test == test && r.condition == condition)
     }
 

@@ -109,6 +109,7 @@ fn condition(f: &mut SheetFields<'_, '_>, points: &[(&str, ())]) -> Option<Condi
         })
     });
     let (overshoot, dedicated) = (f.flag("overshoot", false), f.flag("dedicated", false));
+    let offsets = f.flag("offsets", false);
     Some(Condition {
         name: name?,
         title: title.unwrap_or_default(),
@@ -120,6 +121,7 @@ fn condition(f: &mut SheetFields<'_, '_>, points: &[(&str, ())]) -> Option<Condi
         yaw_roll,
         overshoot: overshoot?,
         dedicated: dedicated?,
+        offsets: offsets?,
         points: limited,
     })
 }
