@@ -136,19 +136,19 @@ mod tests {
         // remaining authority has it exactly.
         let mut data = Vehicle::shipped().unwrap().data().clone();
         for law in DeadZone::ALL {
-        data.tvc.dead_zone = law;
-        let vehicle = Vehicle::from_data(data.clone()).unwrap();
-        for schedule in [vehicle.designed_schedule(), vehicle.reduced_schedule()] {
-            for gains in schedule.gains().iter().filter(|g| g.ftc_gain > 0.0) {
-                let saturating = vehicle.data().ftc.delta_max_deg / gains.ftc_gain;
-                let (within, taken) = match law {
-                    DeadZone::Scheduled => (0.0051, 0.0),
-                    DeadZone::Remaining => (1e-15, gains.ftc_gain.recip()),
-                };
-                let off = (gains.dead_zone_rad.to_degrees() / saturating - 1.0).abs();
-                assert!(off <= within && gains.dead_zone_yield == taken, "{gains:?}");
+            data.tvc.dead_zone = law;
+            let vehicle = Vehicle::from_data(data.clone()).unwrap();
+            for schedule in [vehicle.designed_schedule(), vehicle.reduced_schedule()] {
+                for gains in schedule.gains().iter().filter(|g| g.ftc_gain > 0.0) {
+                    let saturating = vehicle.data().ftc.delta_max_deg / gains.ftc_gain;
+                    let (within, taken) = match law {
+                        DeadZone::Scheduled => (0.0051, 0.0),
+                        DeadZone::Remaining => (1e-15, gains.ftc_gain.recip()),
+                    };
+                    let off = (gains.dead_zone_rad.to_degrees() / saturating - 1.0).abs();
+                    assert!(off <= within && gains.dead_zone_yield == taken, "{gains:?}");
+                }
             }
-        }
         }
     }
 }

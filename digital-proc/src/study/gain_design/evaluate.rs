@@ -1,9 +1,6 @@
 //! A schedule seen by the short-period model at the study's trajectory points.
 
-use super::{
-    criteria::{LoopQuality, measure},
-    schedule,
-};
+use super::criteria::{LoopQuality, measure};
 use crate::{
     linkage::console::Console,
     study::{

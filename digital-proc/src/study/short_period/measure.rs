@@ -23,8 +23,8 @@ pub const SATURATED: f64 = 0.95;
 pub const PITCH_BAND: f64 = 0.05;
 /// Band of yaw settling, as a fraction of the large yaw offset: 0.2° of 2.5°.
 pub const LARGE_YAW_BAND: f64 = 0.08;
-/// The same of the other one: 0.08° of 0.5°. A band in proportion, 0.04°, is what misalignment and
-/// gust alone move the yaw by in the last seconds.
+/// The same of the other one: 0.08° of 0.5°. Twice as wide in proportion, since misalignment and
+/// gust, which do not shrink with the offset, rule the last of the approach.
 pub const YAW_BAND: f64 = 0.16;
 /// Band of roll settling, deg.
 pub const ROLL_BAND_DEG: f64 = 0.5;
@@ -77,7 +77,8 @@ pub struct Measures {
     pub tvc_peak_n: Option<f64>,
     /// When the roll error first falls to a quarter of its initial value, s.
     pub roll_fallen_s: Option<f64>,
-    /// Mean share of the tips in yaw until then, fraction of the travel limit.
+    /// Mean share of the tips in yaw until roll first lets them off their limits, fraction of the
+    /// travel limit.
     pub yaw_share_before: Option<f64>,
     /// Greatest share of the tips in yaw after that, fraction of the travel limit.
     pub yaw_share_after: Option<f64>,
@@ -164,6 +165,8 @@ impl Measures {
         };
         // A run without a yaw offset settles to the band of its fellows.
         let yaw_band_rad = yaw_band * if offset_rad == 0.0 { plan.yaw_rad } else { offset_rad };
+        let let_off =
+            (0..response.len()).skip_while(|&i| !given_to_roll(i)).find(|&i| !given_to_roll(i));
         let last = |column: &[f64]| column.last().copied().unwrap_or(f64::NAN);
         Measures {
             tips_given_to_roll_s: Some(longest_run_s(response.len(), sample_s, given_to_roll)),
@@ -177,8 +180,7 @@ impl Measures {
             tvc_called_s: beyond(CALLED_IN),
             tvc_peak_n: Some(tvc.iter().fold(0.0_f64, |g, v| v.abs().max(g))),
             roll_fallen_s: fallen.map(|i| i as f64 * sample_s),
-            yaw_share_before: fallen
-                .filter(|until| *until > 0)
+            yaw_share_before: let_off
                 .map(|until| (0..until).map(yaw_share).sum::<f64>() / until as f64),
             yaw_share_after: fallen
                 .map(|from| (from..response.len()).map(yaw_share).fold(0.0_f64, f64::max)),

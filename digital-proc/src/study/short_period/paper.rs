@@ -4,7 +4,7 @@
 use super::{
     claims::{
         BENDING, BENDING_GROWTH, BENDING_MIDDLE, FIGURE_4, FIGURE_5, FTC_GAIN_LOST, NORMAL,
-        OSCILLATORY, OVERSHOOT_P1, OVERSHOOTS, TVC_FAST, TVC_SLOW, judge,
+        OSCILLATORY, OVERSHOOT_P1, OVERSHOOTS, RESIDUALS, TVC_FAST, TVC_SLOW, judge,
     },
     control_loop::{ControlLoop, Offset, Response, Test},
     measure::{Measures, YAW_BAND},
@@ -141,9 +141,12 @@ fn figure_5(results: &Results, out: &mut Outcome) {
         .beside(drawn(FIGURE_5.anchor(), "from both offsets", &small, ControlLoop::YawRoll.drawn()));
     let large = runs_of(Offset::LargeYaw);
     if !large.is_empty() {
-        section
-            .markup(html! { h3 { "A yaw offset beyond the tips' authority" } })
-            .beside(drawn("figure-5-large", "from a large yaw offset", &large, &LARGE_YAW));
+        section.markup(html! { h3 { "A yaw offset beyond the tips' authority" } }).beside(drawn(
+            "figure-5-large",
+            "from a large yaw offset",
+            &large,
+            &LARGE_YAW,
+        ));
     }
 }
 

@@ -292,7 +292,7 @@ mod tests {
             panic!("accepted");
         };
         let lines: Vec<_> = faults.iter().map(|f| f.place.unwrap().0).collect();
-        assert_eq!(lines, [18, 21, 24]);
+        assert_eq!(lines, [19, 22, 25]);
         assert!(faults[0].to_string().contains("does not reach Mach 9"));
         assert!(faults[1].to_string().contains("switches 7 times"));
         assert!(faults[2].to_string().contains("burn-out at 49"));

@@ -195,10 +195,8 @@ pub fn derivative(
     let half_width = [gains.dead_zone_rad, left_in_yaw];
     let tvc_rate = std::array::from_fn(|i| {
         let error = errors[i] - gains.tvc_lead_s * state.gyro_radps[i];
-        let wanted = saturated(
-            tvc_gain_nprad[i] * dead_zone(error, half_width[i]),
-            data.tvc.force_max_n,
-        );
+        let wanted =
+            saturated(tvc_gain_nprad[i] * dead_zone(error, half_width[i]), data.tvc.force_max_n);
         (wanted - state.tvc_n[i]) / data.tvc.time_constant_s
     });
 

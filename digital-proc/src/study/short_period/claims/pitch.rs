@@ -4,7 +4,7 @@ use super::super::control_loop::Test::{Disturbed, StepOnly};
 use super::super::plan::PlannedPoint;
 use super::super::results::{Results, Run};
 use super::{
-    BENDING, BENDING_GROWTH, FIGURE_4, FTC_GAIN_LOST, NORMAL, OVERSHOOTS, TVC_FAST, TVC_SLOW, Worst,
+    BENDING, FIGURE_4, FTC_GAIN_LOST, NORMAL, OVERSHOOTS, RESIDUALS, TVC_FAST, TVC_SLOW, Worst,
 };
 use desk::claim::{Claim, Verdict};
 
@@ -44,9 +44,7 @@ pub(super) fn p1(results: &Results) -> Claim {
     let settling = Worst::greatest(disturbed(), |r| r.measures.settling_s);
     let standing = Worst::greatest(disturbed(), |r| Some(r.measures.standing_error_rad?.abs()));
     let peak = Worst::greatest(disturbed(), |r| r.measures.peak);
-    let load = |r: &Run| {
-        Some(r.case.frozen.q_pa * r.measures.greatest_incidence_rad?.to_degrees())
-    };
+    let load = |r: &Run| Some(r.case.frozen.q_pa * r.measures.greatest_incidence_rad?.to_degrees());
     let loads = Worst::greatest(disturbed(), load);
     let limits = &results.plan.limits;
     let kpadeg = |v: f64| format!("{:.0} kPa deg", v / 1e3);
@@ -212,19 +210,24 @@ pub(super) fn p4(results: &Results) -> Claim {
         }
         let worst = Worst::greatest(runs(), |r| r.measures.residual);
         let at: Vec<&str> = runs().filter(rings).map(|r| r.point.as_str()).collect();
-        if at.len() as f64 > SOME_POINTS * runs().count() as f64 || (condition.name == NORMAL && !at.is_empty()) {
+        if at.len() as f64 > SOME_POINTS * runs().count() as f64
+            || (condition.name == NORMAL && !at.is_empty())
+        {
             widespread.push(condition.name.as_str());
         }
         if at.is_empty() {
             let more = |(most, _): &(f64, String)| worst.found.is_some_and(|(v, _)| v > *most);
-            if let Some((v, point)) = worst.found && quietest.as_ref().is_none_or(more) {
+            if let Some((v, point)) = worst.found
+                && quietest.as_ref().is_none_or(more)
+            {
                 quietest = Some((v, format!("{} at {point}", condition.name)));
             }
         } else {
             others.push(format!("{} at {} ({})", condition.name, at.join(", "), worst.percent()));
         }
     }
-    let judged = [FTC_GAIN_LOST, TVC_SLOW].iter().all(|c| results.under(c, Disturbed).next().is_some());
+    let judged =
+        [FTC_GAIN_LOST, TVC_SLOW].iter().all(|c| results.under(c, Disturbed).next().is_some());
     Claim {
         id: "P4".into(),
         evidence: RESIDUALS,
@@ -301,8 +304,7 @@ pub(super) fn p7(results: &Results) -> Claim {
         .filter(|r| ratio(r).is_none_or(|v| v > BENDING_MIDDLE))
         .map(|r| r.point.as_str())
         .collect();
-    let damping =
-        Worst::least(runs(), |r| r.measures.roots.bending.map(|root| root.damping()));
+    let damping = Worst::least(runs(), |r| r.measures.roots.bending.map(|root| root.damping()));
     let all = runs().count();
     Claim {
         id: "P7".into(),

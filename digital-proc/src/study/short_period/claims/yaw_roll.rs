@@ -14,8 +14,7 @@ use super::{FIGURE_5, NORMAL, Worst, YAW_ROLL};
 use desk::claim::{Claim, Verdict};
 
 const ALLOCATED_TO_ROLL: &str = "It may be observed that the fin tips get first allocated to the roll channel and saturate calling in the TVC for the yaw axis.";
-const EFFECTIVE_IN_YAW: &str =
-    "Fin tips become effective in yaw after the roll error is reduced.";
+const EFFECTIVE_IN_YAW: &str = "Fin tips become effective in yaw after the roll error is reduced.";
 const DEDICATED: &str = "Since the pitch and yaw axes requirements are different, such a strategy may eliminate yaw-roll interaction and achieve better response times for yaw and roll by meeting their individual performance requirements.";
 
 /// Time for which both tips stand at their limits for roll: three time constants of a tip (0.05 s),
@@ -60,7 +59,8 @@ pub(super) fn y1(results: &Results) -> Claim {
         criterion: format!(
             "from either yaw offset with the roll offset both tips ≥ 95 % of their limit in opposite senses for at least {GIVEN_TO_ROLL_S} s while yaw's share is under 10 %; never without the roll offset"
         ),
-        falsified_by: "a point where roll does not saturate both tips, or where they do so without it".into(),
+        falsified_by:
+            "a point where roll does not saturate both tips, or where they do so without it".into(),
         measured: format!("least {}, without roll {}", held.seconds(), without.seconds()),
         verdict: held.against(GIVEN_TO_ROLL_S).and(without.against(0.0)),
         remark: None,
@@ -115,41 +115,43 @@ pub(super) fn y3(results: &Results) -> Claim {
         evidence: FIGURE_5,
         sentence: EFFECTIVE_IN_YAW.into(),
         criterion: format!(
-            "until roll has fallen to a quarter the tips' mean share in yaw is at most {:.0} % of their limit, later they pass {:.0} %",
+            "until roll lets the tips off their limits their mean share in yaw is at most {:.0} % of their limit; after roll has fallen to a quarter they pass {:.0} %",
             100.0 * SHARE_BEFORE,
             100.0 * SHARE_AFTER
         ),
         falsified_by: "a point where the tips serve yaw before, or never do".into(),
-        measured: format!("before at most {}, after at least {}", before.percent(), after.percent()),
+        measured: format!(
+            "before at most {}, after at least {}",
+            before.percent(),
+            after.percent()
+        ),
         verdict: before.against(SHARE_BEFORE).and(after.against(SHARE_AFTER)),
         remark: None,
     }
 }
 
 /// Gain in settling time by dedicated tips: shared minus dedicated.
-fn gain(
-    results: &Results,
-    offset: Offset,
-    of: impl Fn(&Run) -> Option<f64>,
-) -> Worst<'_> {
+fn gain(results: &Results, offset: Offset, of: impl Fn(&Run) -> Option<f64>) -> Worst<'_> {
     let dedicated = results.under(NORMAL, Dedicated(offset));
     let dedicated = dedicated.filter(|r| beside(results, r, offset, false).is_some());
-    Worst::least(dedicated, |run| {
-        match [of(beside(results, run, offset, false)?), of(run)] {
-            [Some(shared), Some(dedicated)] => Some(shared - dedicated),
-            [None, Some(_)] => Some(f64::INFINITY),
-            [_, None] => None,
-        }
+    Worst::least(dedicated, |run| match [of(beside(results, run, offset, false)?), of(run)] {
+        [Some(shared), Some(dedicated)] => Some(shared - dedicated),
+        [None, Some(_)] => Some(f64::INFINITY),
+        [_, None] => None,
     })
 }
 
 /// Greatest change of an angle in deg by the other axis' offset, beside the same run without it.
-fn interaction(results: &Results, dedicated: bool, adc: &str, alone: Offset) -> Worst<'_> {
+fn interaction<'a>(
+    results: &'a Results,
+    dedicated: bool,
+    adc: &'static str,
+    alone: Offset,
+) -> Worst<'a> {
     let test = if dedicated { Dedicated(Both) } else { Shared(Both) };
-    let adc = adc.to_owned();
-    Worst::greatest(results.under(NORMAL, test), move |run| {
+    Worst::greatest(results.under(NORMAL, test), |run| {
         let alone = beside(results, run, alone, dedicated)?;
-        let pairs = run.response.of(&adc).iter().zip(alone.response.of(&adc));
+        let pairs = run.response.of(adc).iter().zip(alone.response.of(adc));
         Some(pairs.fold(0.0_f64, |d, (a, b)| d.max((a - b).abs())).to_degrees())
     })
 }
@@ -198,10 +200,10 @@ pub(super) fn y4(results: &Results) -> Claim {
             .and(eliminated(&of_roll))
             .in_part_unless(!slower),
         remark: slower.then(|| {
-            let late = roll[0].found.into_iter().chain(roll[1].found).filter(|(g, _)| *g < -sample_s);
+            let late = roll.iter().filter_map(|r| r.found).filter(|(g, _)| *g < -sample_s);
             let late: Vec<String> = late.map(|(g, at)| format!("{at} ({:.2} s later)", -g)).collect();
             format!(
-                "not for roll at {}: with shared tips the yaw error leads one tip off its limit early, which ends the swing that follows",
+                "not for roll from the large yaw offset at {}, where that offset takes shared tips off roll earlier",
                 late.join(", ")
             )
         }),
