@@ -11,11 +11,24 @@ use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity}
 /// With so many processors or fewer both sides share one.
 const FEW: u32 = 2;
 
+/// The processors on which this thread may run.
+pub fn allowed() -> Vec<u32> {
+    let set = sched_getaffinity(None).unwrap_or_else(|_| CpuSet::new());
+    (0..CpuSet::MAX_CPU).filter(|i| set.is_set(*i)).map(|i| i as u32).collect()
+}
+
 /// The processor that both sides are to share: the one on which this thread runs;
 /// `None` on a machine that has others to spare.
 pub fn to_share() -> Option<u32> {
     let allowed = sched_getaffinity(None).ok()?;
     (allowed.count() <= FEW).then(|| sched_getcpu() as u32)
+}
+
+/// Keeps this thread, and the processes that it starts, on the processor that is due to the
+/// worker of this number; `None` where it stays free.
+pub fn share(worker: usize) -> Option<Kept> {
+    let allowed = allowed();
+    allowed.get(worker % allowed.len().max(1)).and_then(|processor| Kept::on(*processor))
 }
 
 /// Keeps this thread on one processor as long as it lives.

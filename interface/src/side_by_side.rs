@@ -2,7 +2,9 @@
 //! the results and may give all of it up.
 
 use std::{
+    convert::Infallible,
     sync::{
+        Arc,
         atomic::{AtomicBool, AtomicUsize, Ordering},
         mpsc::{RecvTimeoutError, SyncSender, sync_channel},
     },
@@ -15,9 +17,11 @@ const LOOK: Duration = Duration::from_millis(2);
 
 /// What a worker takes its jobs from and brings its results to.
 pub struct Jobs<'a, T> {
+    /// Which of the workers this is, from 0.
+    pub worker: usize,
     count: usize,
     next: &'a AtomicUsize,
-    given_up: &'a AtomicBool,
+    given_up: Arc<AtomicBool>,
     results: SyncSender<(usize, T)>,
 }
 
@@ -35,9 +39,26 @@ impl<T> Jobs<'_, T> {
     }
 
     /// Set once nobody waits for the results any more.
-    pub fn given_up(&self) -> &AtomicBool {
-        self.given_up
+    pub fn given_up(&self) -> &Arc<AtomicBool> {
+        &self.given_up
     }
+}
+
+/// What `work` makes of each number below `count`, in their order.
+pub fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut made: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    let worker = |jobs: Jobs<'_, T>| {
+        while let Some(i) = jobs.next() {
+            jobs.done(i, work(i));
+        }
+    };
+    let Ok(()) = side_by_side(count, worker, |result| {
+        if let Some((i, result)) = result {
+            made[i] = Some(result);
+        }
+        Ok::<_, Infallible>(())
+    });
+    made.into_iter().flatten().collect()
 }
 
 /// Runs `worker` on as many threads as there are processors, and no more than `count` jobs. `each`
@@ -52,12 +73,12 @@ pub fn side_by_side<T: Send, E>(
     mut each: impl FnMut(Option<(usize, T)>) -> Result<(), E>,
 ) -> Result<(), E> {
     let processors = thread::available_parallelism().map_or(1, usize::from);
-    let (next, given_up) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let (next, given_up) = (AtomicUsize::new(0), Arc::new(AtomicBool::new(false)));
     thread::scope(|scope| {
         let (results, receiver) = sync_channel(processors);
-        for _ in 0..processors.min(count) {
-            let (next, given_up) = (&next, &given_up);
-            let jobs = Jobs { count, next, given_up, results: results.clone() };
+        for number in 0..processors.min(count) {
+            let (next, given_up) = (&next, given_up.clone());
+            let jobs = Jobs { worker: number, count, next, given_up, results: results.clone() };
             scope.spawn(|| worker(jobs));
         }
         drop(results);

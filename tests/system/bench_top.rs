@@ -158,7 +158,7 @@ pub fn with_console<T>(work: impl FnOnce(&mut Console<'_>) -> T) -> T {
         std::sync::Arc::default(),
     )
     .unwrap();
-    let mut console = Console::new(started.port());
+    let mut console = Console::new(&mut started);
     let done = work(&mut console);
     console.bye().unwrap();
     done

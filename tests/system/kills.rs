@@ -46,10 +46,12 @@ denominator = [1.0]
 "#;
 
 /// What is run and killed, and how long it may live before that.
-const KINDS: [(&str, Duration); 4] = [
+const KINDS: [(&str, Duration); 5] = [
     ("fly --frame 200us --fast 1", Duration::from_millis(500)),
     ("short-period pitch", Duration::from_millis(1500)),
     ("sampling circle", Duration::from_millis(500)),
+    // As many sessions as there are processors, and one more.
+    ("long-period", Duration::from_millis(1500)),
     (STIFF, Duration::from_millis(300)),
 ];
 /// Takes a study.
@@ -165,11 +167,14 @@ fn kill_once(bench: &BenchTop, (kind, life): (&str, Duration), chance: &mut Chan
     let told = format!("{kind}, {victim} side killed after {after:?}");
     let mut child = start(bench, kind);
     std::thread::sleep(after);
-    let analog = children(child.id()).into_iter().find(|pid| argv0(*pid) == "analog-proc");
+    let mut analogs = children(child.id());
+    analogs.retain(|pid| argv0(*pid) == "analog-proc");
+    let chosen = chance.below(analogs.len().max(1) as u64) as usize;
+    let analog = analogs.get(chosen).copied();
     let limit = if after > MAKING { NOTICE } else { NOTICE_MAKING };
     let mut known = of_sessions(bench);
     known.extend(prefixes(child.id()));
-    known.extend(analog.map(prefixes).unwrap_or_default());
+    known.extend(analogs.into_iter().flat_map(prefixes));
     if kill_analog {
         // It may not have come yet, or have gone: then the digital side ends by itself.
         let hit = analog.inspect(|pid| signal(*pid, Signal::KILL));
@@ -230,7 +235,7 @@ fn random_kills(count: u64) {
     let mut chance = Chance(asked("KILLS_SEED", 0x0DDB_1A5E));
     let bench = BenchTop::alone();
     for n in 0..count {
-        kill_once(&bench, KINDS[(n % 4) as usize], &mut chance);
+        kill_once(&bench, KINDS[n as usize % KINDS.len()], &mut chance);
         let _ = std::fs::remove_dir_all(bench.runs());
     }
     bench.assert_clean();

@@ -31,6 +31,7 @@ impl From<StudyFault> for Failure {
     fn from(fault: StudyFault) -> Failure {
         match fault {
             StudyFault::Console(fault) => fault.into(),
+            StudyFault::Launch(fault) => fault.into(),
             StudyFault::Flight(fault) => fault.into(),
             StudyFault::Points(fault) => fault.into(),
             StudyFault::Vehicle(faults) => faults.into(),

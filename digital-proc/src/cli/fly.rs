@@ -100,7 +100,7 @@ impl Fly {
         let plan = plan_record.plan(&vehicle)?;
         let parameters = plan_record.to_parameters().map_err(Failure::input)?;
         let mut machine = self.machine.start(context)?;
-        let mut console = Console::new(machine.port());
+        let mut console = Console::new(&mut machine);
         let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
 
         let (command, link) = (format!("fly {}", self.mode), self.machine.join.link_name());

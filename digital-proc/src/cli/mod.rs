@@ -54,7 +54,7 @@ enum Command {
     Fly(fly::Fly),
     /// Repeat a recorded flight in lock-step and compare it to the last bit
     Replay(replay::Replay),
-    /// The runs so far, oldest first
+    /// The runs so far, oldest first, or the quantities that a study may change
     List(runs::List),
     /// A run's trace as comma-separated values
     Export(runs::Export),

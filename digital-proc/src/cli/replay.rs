@@ -71,7 +71,7 @@ impl Replay {
         };
 
         let mut machine = self.join.start(context)?;
-        let mut console = Console::new(machine.port());
+        let mut console = Console::new(&mut machine);
         let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
         if let Some(patch) = &record.patch
             && patch.sha256 != console.patch_hash()

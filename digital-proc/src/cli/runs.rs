@@ -1,5 +1,6 @@
 //! `digital-proc list | export | plot`: what runs have left behind.
 
+use crate::study::short_period::point::{QUANTITIES, Quantity};
 use desk::{
     failure::Failure,
     note,
@@ -21,15 +22,26 @@ use std::{
 /// Name of the page that `plot` writes into the run's directory.
 const PLOTS_FILE: &str = "plots.html";
 
-/// The runs so far, oldest first.
+/// The runs so far, oldest first, or what a study or dispersion file may change.
 #[derive(clap::Args)]
 pub struct List {
+    /// What to list
+    #[arg(value_enum, default_value = "runs")]
+    what: Listed,
     /// Directory where runs are kept
     #[arg(long, default_value = DEFAULT_BASE, value_name = "DIR")]
     runs: PathBuf,
     /// Print the list as JSON
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Listed {
+    /// The runs so far, oldest first
+    Runs,
+    /// Quantities of a trajectory point that a study or dispersion file may change
+    Quantities,
 }
 
 /// Which run is meant.
@@ -91,6 +103,25 @@ impl Which {
 
 impl List {
     pub fn execute(self) -> Result<(), Failure> {
+        match self.what {
+            Listed::Runs => self.runs(),
+            Listed::Quantities => self.quantities(),
+        }
+    }
+
+    fn quantities(&self) -> Result<(), Failure> {
+        let columns = [
+            Column::new("Name", "", |q: &Quantity| q.name.into()),
+            Column::new("Unit", "", |q: &Quantity| q.unit.into()),
+            Column::new("Range", "", |q: &Quantity| q.range.words().into()),
+        ];
+        let mut outcome = Outcome::default();
+        let caption = "Quantities that a study file may change; a unit of a `set` is this one.";
+        outcome.section("").table("quantities", caption, Table::of(&columns, QUANTITIES));
+        outcome.tell("list", None, self.json)
+    }
+
+    fn runs(&self) -> Result<(), Failure> {
         let runs = list_runs(&self.runs)?;
         let base = self.runs.display();
         let title = if runs.is_empty() { format!("no runs in `{base}`") } else { String::new() };

@@ -54,7 +54,7 @@ impl<T: Experiment> Lab<T> {
     fn execute(self, context: &Context) -> Result<(), Failure> {
         let profile = desk::profile::load(&self.machine.profile)?;
         let mut machine = self.machine.start(context)?;
-        let mut console = Console::new(machine.port());
+        let mut console = Console::new(&mut machine);
         let command = format!("sampling {}", T::NAME);
         let link = self.machine.join.link_name();
         let mut run = Run::begin(&self.out, &command, &profile.name, link)?;

@@ -56,7 +56,7 @@ impl StudyArgs {
         Failure: From<F>,
     {
         let mut machine = self.machine.start(context)?;
-        let mut console = Console::new(machine.port());
+        let mut console = Console::new(&mut machine);
         let mut progress = Progress::new(total as u64, unit);
         let done = work(&mut console, &mut |done| progress.at(done as u64));
         progress.done();

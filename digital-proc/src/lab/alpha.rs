@@ -95,7 +95,7 @@ struct Row {
     measured: C64,
     /// The root of the monodromy matrix.
     exact: C64,
-    /// By the first-order shift of an angle (τ + T/2) late, without the correction's penalty.
+    /// By the first-order shift, without the correction's penalty.
     first_order: C64,
     continuous: C64,
     /// Whether the run's last third is below its first third.
@@ -279,7 +279,7 @@ impl Case {
             case: *self,
             measured: identify::oscillatory_pole(&differences, self.slow_s(), 1e-9, continuous)?,
             exact: self.loop_.exact_root()?,
-            first_order: continuous + r.first_order_shift(latency_s + frame_s / 2.0),
+            first_order: self.loop_.first_order_root(),
             continuous,
             stable: !law.left_table
                 && peak(&differences[differences.len() - third..]) < peak(&differences[..third]),

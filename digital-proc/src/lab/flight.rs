@@ -11,11 +11,13 @@
 //! Everything digital runs once a frame T and takes effect one frame late, except that the
 //! redundant machine has five fast frames in T, as the paper's scheme has. Damping is that of the
 //! answer to a small step of the attitude command at 20 s, found as the difference of two flights;
-//! a flight is lost where the attitude is further than [`LOST_RAD`] from its command.
+//! a flight is lost in pitch where the attitude is further than [`LOST_RAD`] from its command, and
+//! ends there; it is lost in roll where it has rolled so far, and goes on, as does a flight whose
+//! roll control has failed.
 //!
 //! Long, since it brings machines and a law of its own, which no other experiment shares.
 
-use super::{identify, *};
+use super::{identify, modal_fit::ModalFit, *};
 use crate::{
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Observer, Stage, Timing,
@@ -41,6 +43,11 @@ const STEP_RAD: f64 = 1.745_329_251_994_329_5e-3;
 const STEP_AT_S: f64 = 20.0;
 /// How long the answer is looked at, s: gains and plant change little in it.
 const WINDOW_S: f64 = 5.0;
+/// What the modes of an answer may leave of it (rms over rms) for a damping to be told. Machines
+/// that are one slowly changing loop leave 0.001 to 0.01; with all control digital at 100 ms, where
+/// the roll loop takes travel from the tips, 0.11 (ζ still within the loop's own 0.44 to 0.37); at
+/// 150 and 200 ms, where the tips do little but swing, 0.4 and 0.6: no decay at all.
+const WORST_FIT: f64 = 0.2;
 /// Slowest sampling of the answer that still shows the loop of about 5 rad/s, s.
 const ANSWER_PERIOD_S: f64 = 0.05;
 
@@ -52,7 +59,8 @@ const ANSWER_PERIOD_S: f64 = 0.05;
 /// Wind and misalignments are those of the design case. The damping of the pitch loop comes from a
 /// small step of the attitude command at 20 s, as the difference of two flights. Digital parts take
 /// effect one frame late; the redundant machine has five fast frames in a frame. A flight is lost
-/// where the attitude leaves its command by 20 degrees.
+/// in roll where it has rolled by 20 degrees, and in pitch, where it ends, where the attitude leaves
+/// its command by as much. No damping is told of an answer that is no decay.
 #[derive(clap::Args)]
 pub struct Flight {
     /// Frame periods
@@ -211,7 +219,11 @@ impl Observer for Task {
         }
         let away = (s.angle_rad[0] - s.pitch_command_rad).abs();
         flown.worst_error_rad = flown.worst_error_rad.max(away);
-        flown.worst_roll_rad = flown.worst_roll_rad.max(result.attitude.angle_rad[2].abs());
+        let roll = result.attitude.angle_rad[2].abs();
+        flown.worst_roll_rad = flown.worst_roll_rad.max(roll);
+        if roll > LOST_RAD {
+            flown.lost_in_roll_s.get_or_insert(s.time_s);
+        }
         flown.end_s = s.time_s;
         Ok(())
     }
@@ -267,8 +279,22 @@ struct Flown {
     worst_error_rad: f64,
     /// Greatest |φ|, rad.
     worst_roll_rad: f64,
+    /// When |φ| first was beyond [`LOST_RAD`], s.
+    lost_in_roll_s: Option<f64>,
+    /// Whether the flight ended because θ was.
     lost: bool,
     end_s: f64,
+}
+
+impl Flown {
+    /// What became of the flight.
+    fn words(&self) -> String {
+        let of = |axis: &str, t: f64| format!("lost in {axis} at {t:.1} s");
+        let roll = self.lost_in_roll_s.map(|t| of("roll", t));
+        let pitch = self.lost.then(|| of("pitch", self.end_s));
+        let lost: Vec<String> = roll.into_iter().chain(pitch).collect();
+        if lost.is_empty() { "held".to_owned() } else { lost.join(", ") }
+    }
 }
 
 /// A machine at one frame, from a flight and a flight with a step.
@@ -363,12 +389,18 @@ impl Flight {
 }
 
 /// The oscillation of an answer between 1 and 15 rad/s that has the most energy; the plant's slow
-/// change stands below the floor of 1e-3.
+/// change stands below the floor of 1e-3. None where the modes do not describe the answer.
 fn dominant(answer: &[f64], frame_s: f64) -> Option<C64> {
     let stride = (ANSWER_PERIOD_S / frame_s).round().max(1.0) as usize;
     let thinned: Vec<f64> = answer.iter().step_by(stride).copied().collect();
     let changes: Vec<f64> = thinned.windows(2).map(|w| w[1] - w[0]).collect();
     let period_s = stride as f64 * frame_s;
+    // As in a loop study: modes of the first two thirds, judged on all.
+    let part = changes.get(..(2 * changes.len() / 3).max(identify::SHORTEST))?;
+    let fit = ModalFit::new(&changes, &identify::factors(part, 1e-3).ok()?)?;
+    if fit.residual > WORST_FIT {
+        return None;
+    }
     let roots = identify::poles(&changes, period_s, 1e-3).ok()?;
     identify::strongest(&changes, period_s, &roots, |s| {
         s.im > 0.0 && (1.0..15.0).contains(&s.modulus())
@@ -402,6 +434,7 @@ impl Experiment for Flight {
         let columns = [
             Column::new("machine", "", |r: &Row| r.machine.name().into()),
             Column::new("frame", "ms", |r| (1e3 * r.frame_s).into()),
+            Column::new("flight", "", |r| r.flown.words().into()),
             Column::of("zeta", "", 3, |r| r.root.map(damping_ratio).into()),
             Column::of("omega", "rad/s", 3, |r| r.root.map(|s| s.modulus()).into()),
             Column::new("greatest Q alpha", "kPa deg", |r| r.max_q_alpha_kpadeg().into()),
@@ -412,10 +445,6 @@ impl Experiment for Flight {
                 r.flown.worst_error_rad.to_degrees().into()
             }),
             Column::of("greatest roll", "deg", 3, |r| r.flown.worst_roll_rad.to_degrees().into()),
-            Column::new("flight", "", |r| match &r.flown {
-                Flown { lost: true, end_s, .. } => format!("lost at {end_s:.1} s").into(),
-                _ => "held".into(),
-            }),
         ];
         let caption = "Three machines over the frame period.";
         outcome.section("Numbers").table("flight", caption, Table::of(&columns, &rows));
@@ -432,7 +461,7 @@ impl Experiment for Flight {
         for (id, caption, chart) in [
             (
                 "damping",
-                "Damping of the pitch loop at 20 s, from the answer to a small step of the command; a missing marker is an answer without an oscillation between 1 and 15 rad/s.",
+                "Damping of the pitch loop at 20 s, from the answer to a small step of the command; a missing marker is an answer that is no decay, or one without an oscillation between 1 and 15 rad/s.",
                 chart("What may be digital", damping_axis(), |r| {
                     r.root.map_or(f64::NAN, damping_ratio)
                 })

@@ -4,6 +4,7 @@
 //! once, at load, so that a frame touches only indices. It knows nothing of
 //! rockets and refuses a name that the patch does not have, with the nearest one.
 
+use super::launch::{Fellow, Started};
 use desk::faults::suggestion;
 use interface::{
     Tick,
@@ -12,7 +13,7 @@ use interface::{
         SweepCase, SweptRun,
     },
     frame::{RunState, Samples, Updates},
-    link::{DigitalPort, Law, LinkFault, direct::Fellow},
+    link::{DigitalPort, Law, LinkFault},
     profile::Profile,
 };
 
@@ -81,19 +82,26 @@ const RUNS_A_REQUEST: usize = 256;
 /// One session seen from the digital side.
 pub struct Console<'p> {
     port: &'p mut dyn DigitalPort,
+    fellow: Option<Fellow>,
     channels: Vec<Channel>,
     patch_hash: String,
 }
 
 impl<'p> Console<'p> {
-    /// Over a port whose two ends have greeted each other.
-    pub fn new(port: &'p mut dyn DigitalPort) -> Console<'p> {
-        Console { port, channels: Vec::new(), patch_hash: String::new() }
+    /// At a machine whose two sides have greeted each other.
+    pub fn new(machine: &'p mut Started) -> Console<'p> {
+        let (port, fellow) = machine.parts();
+        Console { port, fellow, channels: Vec::new(), patch_hash: String::new() }
     }
 
-    /// Another machine like this one for another thread, where there can be one in this process.
+    /// Another machine like this one, where one can be started.
     pub fn fellow(&self) -> Option<Fellow> {
-        self.port.fellow()
+        self.fellow.clone()
+    }
+
+    /// Fails where the partner has gone or this side is interrupted, while nothing is asked of it.
+    pub fn attend(&mut self) -> Result<(), ConsoleFault> {
+        Ok(self.port.attend()?)
     }
 
     /// Uploads a patch; the machine goes to IC.

@@ -69,6 +69,29 @@ pub struct Started {
     // Field order is drop order: the port closes before the partner is awaited.
     port: Box<dyn DigitalPort>,
     _partner: Partner,
+    fellow: Option<Fellow>,
+}
+
+/// A machine like another one that is not started yet, to be carried into another thread.
+#[derive(Clone)]
+pub struct Fellow {
+    link: LinkChoice,
+    analog: AnalogEntry,
+}
+
+impl Fellow {
+    /// Starts it with nothing loaded; it gives up once `interrupted` is set.
+    ///
+    /// # Errors
+    /// [`LaunchFault`], as of the first one.
+    pub fn start(&self, interrupted: &Arc<AtomicBool>) -> Result<Started, LaunchFault> {
+        Started::new(&self.link, self.analog, interrupted.clone())
+    }
+
+    /// Whether it is a pair of processes.
+    pub fn is_pair(&self) -> bool {
+        self.link != LinkChoice::Memory
+    }
 }
 
 /// What is kept only to be dropped.
@@ -87,13 +110,14 @@ impl Started {
         interrupted: Arc<AtomicBool>,
     ) -> Result<Started, LaunchFault> {
         let patience = Patience::interrupted_by(interrupted);
+        let fellow = Some(Fellow { link: link.clone(), analog });
         if *link != LinkChoice::Memory {
             expect_files().map_err(LaunchFault::Files)?;
         }
         match link {
             LinkChoice::Memory => {
                 let port = Direct::new(analog.side, &patience);
-                Ok(Started { port: Box::new(port), _partner: Partner::Within })
+                Ok(Started { port: Box::new(port), _partner: Partner::Within, fellow })
             }
             LinkChoice::Shm => {
                 let session = Session::create(Side::Digital, None)?;
@@ -108,19 +132,21 @@ impl Started {
                     .map_err(LaunchFault::Spawn)?;
                 let guard = Guard { child, session: session.clone() };
                 let port = ShmDigital::open(&session, Some(guard.child.id()), &patience)?;
-                Ok(Started { port: Box::new(port), _partner: Partner::Process(guard) })
+                Ok(Started { port: Box::new(port), _partner: Partner::Process(guard), fellow })
             }
             LinkChoice::Attach(name) => {
                 let session = Session::join(Side::Digital, name)?;
                 let port = ShmDigital::open(&session, None, &patience)?;
-                Ok(Started { port: Box::new(port), _partner: Partner::Foreign(session) })
+                let partner = Partner::Foreign(session);
+                Ok(Started { port: Box::new(port), _partner: partner, fellow: None })
             }
         }
     }
 
-    /// The digital end of the link.
-    pub fn port(&mut self) -> &mut dyn DigitalPort {
-        self.port.as_mut()
+    /// The digital end of the link, and what starts another machine like this one; nothing does
+    /// where somebody else started it.
+    pub(super) fn parts(&mut self) -> (&mut dyn DigitalPort, Option<Fellow>) {
+        (self.port.as_mut(), self.fellow.clone())
     }
 }
 

@@ -1,7 +1,10 @@
 //! Why a study could not be completed.
 
 use super::short_period::study_file::StudyError;
-use crate::{flight::FlightFault, linkage::console::ConsoleFault};
+use crate::{
+    flight::FlightFault,
+    linkage::{console::ConsoleFault, launch::LaunchFault},
+};
 use desk::faults::FileFaults;
 use vehicle::table::TableError;
 
@@ -11,6 +14,9 @@ pub enum StudyFault {
     /// The machine or its link.
     #[error(transparent)]
     Console(#[from] ConsoleFault),
+    /// Another machine could not be started beside the first.
+    #[error(transparent)]
+    Launch(#[from] LaunchFault),
     /// A flight could not be flown at all.
     #[error(transparent)]
     Flight(#[from] FlightFault),

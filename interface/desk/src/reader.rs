@@ -112,6 +112,15 @@ impl Range {
                 Range::Positive => value > 0.0,
             }
     }
+
+    /// In a table.
+    pub fn words(self) -> &'static str {
+        match self {
+            Range::Any => "any",
+            Range::NotNegative => "0 or greater",
+            Range::Positive => "greater than 0",
+        }
+    }
 }
 
 /// The fields of one table.

@@ -31,7 +31,6 @@ pub type MakeAnalog = fn() -> Box<dyn AnalogSide>;
 /// The digital end with the analog side behind it.
 pub struct Direct {
     analog: Box<dyn AnalogSide>,
-    make: MakeAnalog,
     protocol: Protocol,
     patience: Patience,
 }
@@ -40,20 +39,7 @@ impl Direct {
     /// A session with an analog side of its own.
     pub fn new(make: MakeAnalog, patience: &Patience) -> Direct {
         let patience = patience.clone();
-        Direct { analog: make(), make, protocol: Protocol::greeted(), patience }
-    }
-}
-
-/// A machine that is not made yet, to be carried into another thread.
-pub struct Fellow {
-    make: MakeAnalog,
-    patience: Patience,
-}
-
-impl Fellow {
-    /// Its digital end, with nothing loaded.
-    pub fn port(&self) -> Direct {
-        Direct::new(self.make, &self.patience)
+        Direct { analog: make(), protocol: Protocol::greeted(), patience }
     }
 }
 
@@ -70,7 +56,7 @@ impl DigitalPort for Direct {
     }
 
     fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault> {
-        let Direct { analog, protocol, patience, .. } = self;
+        let Direct { analog, protocol, patience } = self;
         let mut frames = Frames { protocol, patience, law, latency, pending: None, last: None };
         analog.operate(&mut frames)?;
         frames.last.ok_or_else(|| LinkFault::Protocol {
@@ -79,8 +65,8 @@ impl DigitalPort for Direct {
         })
     }
 
-    fn fellow(&self) -> Option<Fellow> {
-        Some(Fellow { make: self.make, patience: self.patience.clone() })
+    fn attend(&mut self) -> Result<(), LinkFault> {
+        self.patience.check_interrupt(self.protocol.frame())
     }
 }
 

@@ -171,6 +171,13 @@ impl<W: AnalogWire> FramePort for End<W> {
     }
 
     fn attend(&mut self) -> Result<(), LinkFault> {
+        self.look()
+    }
+}
+
+impl<W: Watched> End<W> {
+    /// Whether this side is wanted still and the partner lives, looked at once in a while.
+    fn look(&mut self) -> Result<(), LinkFault> {
         let frame = self.protocol.frame();
         self.patience.check_interrupt(frame)?;
         if self.looked.is_some_and(|at| at.elapsed() < LOOK) {
@@ -282,6 +289,10 @@ impl<W: DigitalWire> DigitalPort for End<W> {
             }
         }
         unreachable!("frames are counted in u64")
+    }
+
+    fn attend(&mut self) -> Result<(), LinkFault> {
+        self.look()
     }
 }
 

@@ -101,10 +101,8 @@ pub trait DigitalPort {
     /// Once OPERATE was accepted: runs `law` frame by frame, its updates to take effect `latency`
     /// after their samples, and gives the samples at the end (`Ended` or `Faulted`).
     fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault>;
-    /// Another machine like this one, for another thread; none where it would take processes.
-    fn fellow(&self) -> Option<direct::Fellow> {
-        None
-    }
+    /// Looks whether this side is wanted still and the partner lives, while nothing is asked of it.
+    fn attend(&mut self) -> Result<(), LinkFault>;
 }
 
 /// A digital end that hands out single frames.

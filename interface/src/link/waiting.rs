@@ -1,11 +1,10 @@
 //! How a side waits for the other: spin, then yield, then sleep by the bell.
 //!
-//! The answer to a frame comes within microseconds as long as both processes
-//! run, so a wait first spins (2 µs), then yields the processor (needed when
-//! both share one core), then sleeps until the partner rings ([`Bell`]). A
-//! sleep lasts a slice of time at most, after which the wait looks whether the
-//! partner is still there. Beside busy programs, where a yield is dear, waits
-//! sleep at once ([`Bell::crowded`]).
+//! The answer to a frame comes within microseconds as long as both processes run, so a wait
+//! first spins (20 µs where they may have a processor each, not at all on a shared one), then
+//! yields the processor, then sleeps until the partner rings ([`Bell`]). A sleep lasts a slice
+//! of time at most, after which the wait looks whether the partner is still there. Beside busy
+//! programs, where a yield is dear, waits sleep at once ([`Bell::crowded`]).
 //!
 //! On the wall clock, where lateness counts, it yields for longer than a fast frame,
 //! whoever else is busy.
@@ -18,10 +17,10 @@
 //! about the next request.
 
 use super::{LinkFault, bell::Bell};
-use crate::Side;
+use crate::{Side, processor};
 use std::{
     sync::{
-        Arc, OnceLock,
+        Arc,
         atomic::{AtomicBool, Ordering},
     },
     time::{Duration, Instant},
@@ -67,6 +66,8 @@ pub struct Patience {
     pub busy_limit: Duration,
     /// How long to wait for a partner to arrive; `None` waits until interrupted.
     pub arrival: Option<Duration>,
+    /// Whether both sides can run at once: this thread may use more than one processor.
+    pub apart: bool,
 }
 
 impl Default for Patience {
@@ -77,6 +78,7 @@ impl Default for Patience {
             silence: Duration::from_secs(10),
             busy_limit: Duration::from_secs(600),
             arrival: Some(Duration::from_secs(10)),
+            apart: processor::allowed().len() > 1,
         }
     }
 }
@@ -133,12 +135,6 @@ pub(super) enum Limit {
     Unlimited,
 }
 
-/// Whether both sides can run at once.
-fn are_apart() -> bool {
-    static APART: OnceLock<bool> = OnceLock::new();
-    *APART.get_or_init(|| std::thread::available_parallelism().is_ok_and(|n| n.get() > 1))
-}
-
 /// Waits until `attempt` gives something.
 pub(super) fn wait<W: Watched, T>(
     patience: &Patience,
@@ -153,8 +149,13 @@ pub(super) fn wait<W: Watched, T>(
     }
     let start = Instant::now();
     let prompt = limit == Limit::Prompt;
-    // On the wall clock both sides may share a processor.
-    let spin = if !prompt && are_apart() { SPIN_APART } else { SPIN };
+    let spin = match (prompt, patience.apart) {
+        // Both sides may share a processor without being bound to it.
+        (true, _) => SPIN,
+        (false, true) => SPIN_APART,
+        // Whoever is waited for needs this processor.
+        (false, false) => Duration::ZERO,
+    };
     while start.elapsed() < spin {
         std::hint::spin_loop();
         if let Some(found) = attempt(wire)? {

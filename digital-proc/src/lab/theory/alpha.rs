@@ -77,12 +77,12 @@ impl Rotation {
         }
     }
 
-    /// First-order shift for an angle that reaches the tables τ_e late:
-    /// `Δs = τ_e s₀ (M + Z (s₀ + D)) / (2 s₀ + Z + D)`.
-    pub fn first_order_shift(&self, effective_delay_s: f64) -> C64 {
+    /// First-order shift where the moment is `moment_s` late and the force `force_s`:
+    /// `Δs = s₀ (M τ_M + Z (s₀ + D) τ_Z) / (2 s₀ + Z + D)`.
+    fn first_order_shift(&self, moment_s: f64, force_s: f64) -> C64 {
         let s0 = self.continuous_root();
         let (m, z, d) = (self.moment_slope, self.force_slope, self.rate_damping);
-        s0 * (C64::new(m, 0.0) + (s0 + d) * z) * effective_delay_s / (s0 * 2.0 + z + d)
+        s0 * (C64::new(m * moment_s, 0.0) + (s0 + d) * (z * force_s)) / (s0 * 2.0 + z + d)
     }
 }
 
@@ -232,6 +232,18 @@ impl AlphaLoop {
         jump
     }
 
+    /// The continuous root and its first-order shift by a delay of half a frame and the latency,
+    /// without the penalty of the correction. A digital side that integrates the angle itself has
+    /// the force at once: there the moment alone is late.
+    pub fn first_order_root(&self) -> C64 {
+        let late_s = self.latency_s + self.frame_s / 2.0;
+        let force_s = match self.scheme {
+            Scheme::Conventional => 0.0,
+            Scheme::Redundant { .. } => late_s,
+        };
+        self.rotation.continuous_root() + self.rotation.first_order_shift(late_s, force_s)
+    }
+
     /// Exact equivalent root on the branch of the continuous one.
     pub fn exact_root(&self) -> Result<C64, Refusal> {
         self.period_map()?.root_near(self.rotation.continuous_root())
@@ -285,25 +297,24 @@ mod tests {
         }
     }
 
-    /// K = 0 with N = 1 is an analog angle sampled once a frame: the first-order shift holds to T².
+    /// Against the exact root, with the moment alone late (conventional) and with both (K = 0 and
+    /// N = 1: an analog angle sampled once a frame), the first-order shift holds to T².
     #[test]
     fn shift_formula_is_first_order() {
-        let error = |t: f64| {
-            let l = AlphaLoop {
-                rotation: Rotation::standard(4.0),
-                scheme: Scheme::Redundant {
-                    slow_frames: 1,
-                    gain: 0.0,
-                    delivery: Delivery::Prompt,
-                    correction: Correction::Spread,
-                },
-                frame_s: t,
-                latency_s: t,
-            };
-            let s0 = l.rotation.continuous_root();
-            (l.exact_root().unwrap() - s0 - l.rotation.first_order_shift(1.5 * t)).norm()
+        let both = Scheme::Redundant {
+            slow_frames: 1,
+            gain: 0.0,
+            delivery: Delivery::Prompt,
+            correction: Correction::Spread,
         };
-        let order = (error(0.002) / error(0.001)).log2();
-        assert!((order - 2.0).abs() < 0.2, "{order}");
+        for scheme in [Scheme::Conventional, both] {
+            let error = |t: f64| {
+                let rotation = Rotation::standard(4.0);
+                let l = AlphaLoop { rotation, scheme, frame_s: t, latency_s: t };
+                (l.exact_root().unwrap() - l.first_order_root()).norm()
+            };
+            let order = (error(0.002) / error(0.001)).log2();
+            assert!((order - 2.0).abs() < 0.2, "{scheme:?}: {order}");
+        }
     }
 }

@@ -16,7 +16,7 @@ use crate::{
     },
 };
 use desk::report::{Cell, Column, Heading, Table};
-use interface::Tick;
+use interface::{Tick, side_by_side};
 
 /// Sampling interval of a run.
 const SAMPLE: Tick = Tick(10_000_000);
@@ -229,16 +229,14 @@ pub(crate) fn measure(
             (settings, Tick::from_secs(stop_s).unwrap_or(Tick::ZERO))
         })
     });
-    let mut all = Vec::with_capacity(points.len());
-    let mut undisturbed = None;
-    bench.run(console, SAMPLE, asked, |response, _| match undisturbed.take() {
-        None => undisturbed = Some(response),
-        Some(undisturbed) => {
-            all.push(LoopQuality::new(&points[all.len()], &undisturbed, &response));
-            progress(all.len());
-        }
+    let mut responses = Vec::with_capacity(2 * points.len());
+    bench.run(console, SAMPLE, asked, |response, _| {
+        responses.push(response);
+        progress(responses.len() / 2);
     })?;
-    Ok(all)
+    Ok(side_by_side::map(points.len(), |i| {
+        LoopQuality::new(&points[i], &responses[2 * i], &responses[2 * i + 1])
+    }))
 }
 
 impl LoopQuality {

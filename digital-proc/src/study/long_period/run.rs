@@ -1,4 +1,5 @@
-//! Flies the modes, one after another on one session or side by side within this process.
+//! Flies the modes side by side, each machine on a processor of its own, or one after another on
+//! a session that somebody else serves.
 //!
 //! The stage patch is loaded once; every flight starts from initial conditions
 //! (rep-op) and none restarts the partner. All flights have the same frames, so
@@ -21,6 +22,7 @@ use interface::{
     Tick,
     control::PatchBundle,
     frame::Samples,
+    processor,
     profile::Profile,
     side_by_side::{Jobs, side_by_side},
 };
@@ -155,8 +157,8 @@ type Flight<'a> = (&'a FlightScript, FlightWind, [f64; 2]);
 /// What it came to, and its history.
 type Answer = (Flown, Vec<FlightSample>);
 
-/// Flies side by side where machines can be had within this process, or else one after another;
-/// each has the bits of a flight alone.
+/// Flies side by side where more machines can be started, or else one after another; each has the
+/// bits of a flight alone.
 fn fly_all(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
@@ -177,22 +179,21 @@ fn fly_all(
     };
     let mut answers: Vec<Option<Answer>> = vec![None; flights.len()];
     let worker = |jobs: Jobs<'_, Result<Answer, StudyFault>>| {
-        let mut port = fellow.port();
-        let mut console = Console::new(&mut port);
-        let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, plan.patch.clone());
-        let begun = stage.map_err(StudyFault::from).and_then(|s| Bench::new(vehicle, plan, s));
-        let mut bench = match begun {
-            Ok(bench) => bench,
-            Err(fault) => {
-                if let Some(i) = jobs.next() {
-                    jobs.done(i, Err(fault));
-                }
-                return;
+        let _kept = fellow.is_pair().then(|| processor::share(jobs.worker));
+        let work = || {
+            let mut machine = fellow.start(jobs.given_up())?;
+            let mut console = Console::new(&mut machine);
+            let patch = plan.patch.clone();
+            let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, patch)?;
+            let mut bench = Bench::new(vehicle, plan, stage)?;
+            while let Some(i) = jobs.next() {
+                let (script, wind, misalignment) = flights[i];
+                jobs.done(i, bench.fly(&mut console, vehicle, script, wind, misalignment));
             }
+            Ok(console.bye()?)
         };
-        while let Some(i) = jobs.next() {
-            let (script, wind, misalignment) = flights[i];
-            jobs.done(i, bench.fly(&mut console, vehicle, script, wind, misalignment));
+        if let (Err(fault), Some(i)) = (work(), jobs.next()) {
+            jobs.done(i, Err(fault));
         }
     };
     let mut done = 0;
@@ -202,7 +203,7 @@ fn fly_all(
             done += 1;
             progress(done);
         }
-        Ok::<_, StudyFault>(())
+        Ok::<_, StudyFault>(console.attend()?)
     })?;
     answers.into_iter().collect::<Option<_>>().ok_or(StudyFault::LostFlight)
 }

@@ -14,6 +14,7 @@ use crate::{
         },
     },
 };
+use interface::side_by_side;
 use vehicle::{Vehicle, slice::SlicePoint};
 
 /// Corners of each point that are also run on the machine.
@@ -145,20 +146,21 @@ pub fn run(
     let all = &dispersions.all;
     // At each point without dispersion, each at its lower and upper setting, and the worst corners.
     let mut asked = Vec::new();
-    let mut looked_at = Vec::with_capacity(slices.len());
-    for slice in &slices {
-        let nominal = FrozenPoint::new(vehicle, slice, &slice.settings.gains);
-        asked.push(nominal);
+    let nominals: Vec<FrozenPoint> = slices
+        .iter()
+        .map(|slice| FrozenPoint::new(vehicle, slice, &slice.settings.gains))
+        .collect();
+    let looked_at = side_by_side::map(nominals.len(), |i| Corners::new(vehicle, &nominals[i], all));
+    for (nominal, corners) in nominals.iter().zip(&looked_at) {
+        asked.push(*nominal);
         for dispersion in all {
             for side in [Side::Low, Side::High] {
-                let mut point = nominal;
+                let mut point = *nominal;
                 dispersion.apply(vehicle, &mut point, side);
                 asked.push(point);
             }
         }
-        let corners = Corners::new(vehicle, &nominal, all);
-        asked.extend(corners.worst().map(|(_, bits)| corner(vehicle, &nominal, all, bits)));
-        looked_at.push(corners);
+        asked.extend(corners.worst().map(|(_, bits)| corner(vehicle, nominal, all, bits)));
     }
     let qualities = measure(console, bench, &asked, progress)?;
     let of_points = qualities.chunks(1 + 2 * all.len() + CORNERS_RUN);
