@@ -143,9 +143,9 @@ mod tests {
                     let saturating = vehicle.data().ftc.delta_max_deg / gains.ftc_gain;
                     let (within, taken) = match law {
                         DeadZone::Scheduled => (0.0051, 0.0),
-                        DeadZone::Remaining => (1e-15, gains.ftc_gain.recip()),
+                        DeadZone::Remaining => (1e-14, gains.ftc_gain.recip()),
                     };
-                    let off = (gains.dead_zone_rad.to_degrees() / saturating - 1.0).abs();
+                    let off = (gains.dead_zone_rad.to_degrees() - saturating).abs();
                     assert!(off <= within && gains.dead_zone_yield == taken, "{gains:?}");
                 }
             }

@@ -240,7 +240,8 @@ mod tests {
         let before = range(Shared(Both), &|r| travel_deg * number(r.measures.yaw_share_before));
         assert!(before.1 <= 0.01, "{before:?}");
         let after = range(Shared(Both), &|r| travel_deg * number(r.measures.yaw_share_after));
-        held("share after, deg", after, 2.8, 6.2, 5e-2);
+        // Its greatest value is that between the samples too.
+        held("share after, deg", after, 2.8, 6.2, 6e-2);
         held(
             "settling",
             range(Dedicated(Both), &|r| number(r.measures.settling_s)),
