@@ -73,6 +73,11 @@ fn worst(a: &[FlightSample], b: &[FlightSample], of: impl Fn(&FlightSample) -> f
 /// (0.05 rad)^4 / 120 a step of its fastest part, 5e-8 relative, and corners of
 /// limiters inside its steps; the patch runs at rtol 1e-7. The design cases of all modes bring
 /// every limit, dead zone and plane into play.
+///
+/// The way across is looser: a sample comes before the transfer of its instant, so the machine's
+/// control force has the tips' slope of the frame before, which follows Q by up to 1.5 % in 0.1 s;
+/// a side force of the tips of some 0.05 m/s² over 30 s is then off by 0.02 m/s. Without tips
+/// (`ftc-electronics`) 2e-8 m/s are left.
 #[test]
 fn the_patch_is_the_second_formulation_of_the_partition() {
     let vehicle = Vehicle::shipped().unwrap();
@@ -93,6 +98,8 @@ fn the_patch_is_the_second_formulation_of_the_partition() {
             ("roll, rad", 1e-5, |s| s.angle_rad[2]),
             ("tip 2, rad", 1e-4, |s| s.tip_rad[1]),
             ("tip 4, rad", 1e-4, |s| s.tip_rad[2]),
+            ("lateral speed, m/s", 0.02, |s| s.trajectory.cross_speed_mps),
+            ("distance from the launch plane, m", 0.2, |s| s.trajectory.cross_m),
             ("injection force, N", 5.0, |s| s.tvc_n[0]),
             ("injection force in yaw, N", 5.0, |s| s.tvc_n[1]),
         ] {

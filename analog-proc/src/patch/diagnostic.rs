@@ -81,6 +81,7 @@ flaws! {
         BadCoefficient "bad-coefficient" "cannot read `{text}`: {why}", label "{why}" { text: String, why: &'static str }
         LogicCoefficient "logic-coefficient" "logic net `{net}` cannot take a coefficient", label "coefficient on a logic net" { net: String }
         UnknownParam "unknown-param" "unknown parameter `{param}`", label "no such parameter" { param: String }
+        ParamCircle "param-circle" "parameters are made of each other in a circle: {chain}", label "closes the circle" { chain: String }
         UnknownNet "unknown-net" "unknown net `{net}`", label "no block drives this" { net: String }
         InvalidName "invalid-name" "`{name}` cannot be a name", label "not a name" { name: String }
         DuplicateName "duplicate-name" "`{name}` is named twice", label "again" { name: String }

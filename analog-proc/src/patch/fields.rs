@@ -25,7 +25,7 @@ impl Board for Resolver<'_> {
         self.faults.push(at, fault, help);
     }
 
-    /// A number, or a product of numbers and the parameters of the scope being read.
+    /// A number, or arithmetic with the parameters of the scope being read.
     fn number(&mut self, field: &str, value: &Value) -> Option<f64> {
         let params = &self.instances.scopes[self.scope].params;
         number::number(field, value, params, self.faults)

@@ -5,8 +5,8 @@
 //! without any becomes [`Ordered`].
 
 mod bundle;
-mod coefficient;
 pub mod diagnostic;
+mod expression;
 mod faults;
 mod fields;
 mod number;

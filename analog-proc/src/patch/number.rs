@@ -1,15 +1,14 @@
-//! Numbers of a patch: written out, or as a product of numbers and parameters in quotes.
+//! Numbers of a patch: written out, or as arithmetic with numbers and parameters in quotes.
 //!
-//! Every factor that cannot be had is told at its own place in the string. A value
+//! Every part that cannot be had is told at its own place in the string. A value
 //! that is not finite is refused: neither infinity nor NaN has a meaning on a machine.
 
-use super::coefficient::{FactorValue, Product, parse};
 use super::diagnostic::Flaw;
+use super::expression::{Expression, Node, parse};
 use super::faults::Faults;
 use crate::net::Span;
 use desk::faults::suggestion;
 use desk::reader::{Board, Data, Fault, Value};
-use interface::Tick;
 use std::collections::HashMap;
 
 /// Before names are resolved no parameter is known.
@@ -23,44 +22,45 @@ impl Board for Faults {
     }
 }
 
-/// Value of a product of numbers and parameters. `range` is the place of the string's content.
+/// Value of arithmetic with numbers and parameters. `place` gives the place of a part of the string.
 pub(crate) fn evaluate(
-    product: &Product<'_>,
-    skip_last: bool,
+    expression: &Expression<'_>,
     params: &HashMap<String, Option<f64>>,
     place: &dyn Fn(std::ops::Range<usize>) -> Span,
     field: &str,
     faults: &mut Faults,
 ) -> Option<f64> {
-    let factors = &product.factors[..product.factors.len() - usize::from(skip_last)];
-    let mut value = Some(if product.negative { -1.0 } else { 1.0 });
-    for factor in factors {
-        let at = place(factor.range.clone());
-        let next = match factor.value {
-            FactorValue::Number(number) if number.is_finite() => Some(number),
-            FactorValue::Number(_) => {
-                not_finite(field, at, faults);
-                None
+    let mut of = |inner: &Expression<'_>| evaluate(inner, params, place, field, faults);
+    let at = || place(expression.range.clone());
+    let value = match &expression.node {
+        Node::Number(number) => *number,
+        Node::Negative(inner) => -of(inner)?,
+        Node::Chain(first, rest) => {
+            let first = of(first);
+            rest.iter().fold(first, |a, (operator, b)| {
+                let b = of(b);
+                Some(operator.of(a?, b?))
+            })?
+        }
+        Node::Call(function, arguments) => {
+            let arguments: Vec<Option<f64>> = arguments.iter().map(of).collect();
+            function.of(&arguments.into_iter().collect::<Option<Vec<_>>>()?)
+        }
+        Node::Name(name) => match params.get(*name) {
+            Some(value) => (*value)?,
+            None if *name == "pi" => std::f64::consts::PI,
+            None if matches!(name.to_ascii_lowercase().as_str(), "nan" | "inf") => f64::NAN,
+            None => {
+                unknown_param(name, at(), params, faults);
+                return None;
             }
-            FactorValue::Name(name) => match params.get(name) {
-                Some(value) => *value,
-                None if matches!(name.to_ascii_lowercase().as_str(), "nan" | "inf") => {
-                    not_finite(field, at, faults);
-                    None
-                }
-                None => {
-                    unknown_param(name, at, params, faults);
-                    None
-                }
-            },
-        };
-        value = value.zip(next).map(|(a, b)| a * b);
+        },
+    };
+    if !value.is_finite() {
+        not_finite(field, at(), faults);
+        return None;
     }
-    if value.is_some_and(|v| !v.is_finite()) {
-        not_finite(field, place(0..usize::MAX), faults);
-        value = None;
-    }
-    value
+    Some(value)
 }
 
 /// Place of a part of a quoted string, or the whole string if it has escapes.
@@ -86,7 +86,7 @@ pub(crate) fn not_finite(field: &str, at: Span, faults: &mut Faults) {
     faults.push(at, Fault::NotFinite { field: field.to_owned() }, help);
 }
 
-/// A number, or a product of numbers and parameters in quotes.
+/// A number, or arithmetic with numbers and parameters in quotes.
 pub(crate) fn number(
     field: &str,
     value: &Value,
@@ -103,13 +103,8 @@ pub(crate) fn number(
         }
         Data::Text(text) => {
             let place = part_of(faults, value.span, text);
-            if let Ok(time) = text.parse::<Tick>() {
-                let why = "a patch has its times in seconds";
-                bad_coefficient(text, value.span, why, &format!("write {:?}", time.secs()), faults);
-                return None;
-            }
             match parse(text) {
-                Ok(product) => evaluate(&product, false, params, &place, field, faults),
+                Ok(expression) => evaluate(&expression, params, &place, field, faults),
                 Err(error) => {
                     bad_coefficient(text, place(error.range), error.why, error.help, faults);
                     None
@@ -135,9 +130,11 @@ pub(crate) fn bad_coefficient(
 
 fn unknown_param(name: &str, at: Span, params: &HashMap<String, Option<f64>>, faults: &mut Faults) {
     let help = suggestion(name, sorted(params));
-    faults.push(at, Flaw::UnknownParam { param: name.to_owned() }, format!(
-            "{help}; a parameter may use those above it, and nets cannot be coefficients (a `multiplier` takes two nets)"
-        ));
+    faults.push(
+        at,
+        Flaw::UnknownParam { param: name.to_owned() },
+        format!("{help}; nets cannot be coefficients (a `multiplier` takes two nets)"),
+    );
 }
 
 fn sorted(params: &HashMap<String, Option<f64>>) -> Vec<&str> {

@@ -5,13 +5,14 @@
 //! given: its parameters and its ports.
 
 use super::diagnostic::Flaw;
+use super::expression::parse;
 use super::faults::Faults;
 use super::number::{not_finite, number};
 use super::text::{PatchText, UseText};
 use crate::net::Span;
 use desk::bundle::join;
 use desk::faults::suggestion;
-use desk::reader::Entry;
+use desk::reader::{Data, Entry};
 use std::collections::{HashMap, HashSet};
 
 /// Most blocks, and most instances, of one patch. The largest hybrid machines had a thousand or two.
@@ -122,13 +123,7 @@ impl Expander<'_> {
         ports: HashMap<String, Option<Entry>>,
     ) {
         let text = &self.texts[file as usize];
-        let mut params = HashMap::new();
-        for param in &text.params {
-            // Evaluated even where it is overridden, so that a faulty line does not hide.
-            let own = number(&param.key, &param.value, &params, self.faults);
-            let value = given.get(&param.key).copied().unwrap_or(own);
-            params.insert(param.key.clone(), value);
-        }
+        let params = self.own_params(text, &given);
         self.check_names(text);
         let scope = self.out.scopes.len();
         self.out.scopes.push(Scope { file, prefix, params, parent, ports });
@@ -155,6 +150,52 @@ impl Expander<'_> {
             }
         }
         self.stack.pop();
+    }
+
+    /// The parameters of a file, each after those that it is made of.
+    fn own_params(&mut self, text: &PatchText, given: &Given) -> HashMap<String, Option<f64>> {
+        let all = &text.params;
+        let index: HashMap<&str, usize> =
+            all.iter().enumerate().map(|(i, param)| (param.key.as_str(), i)).collect();
+        let made_of = |i: usize| match &all[i].value.data {
+            Data::Text(text) => parse(text).map_or_else(|_| Vec::new(), |e| e.names()),
+            _ => Vec::new(),
+        };
+        let mut params = HashMap::new();
+        let mut seen = vec![false; all.len()];
+        // A parameter on its way, and what it is made of that was not looked at yet.
+        let mut way: Vec<(usize, Vec<&str>)> = Vec::new();
+        for first in 0..all.len() {
+            if !std::mem::replace(&mut seen[first], true) {
+                way.push((first, made_of(first)));
+            }
+            while let Some((at, rest)) = way.last_mut() {
+                let at = *at;
+                let Some(next) = rest.pop().and_then(|name| index.get(name).copied()) else {
+                    if !rest.is_empty() {
+                        continue;
+                    }
+                    way.pop();
+                    let param = &all[at];
+                    // Evaluated even where it is overridden, so that a faulty line does not hide.
+                    let own = number(&param.key, &param.value, &params, self.faults);
+                    let value = given.get(&param.key).copied().unwrap_or(own);
+                    params.insert(param.key.clone(), value);
+                    continue;
+                };
+                if !std::mem::replace(&mut seen[next], true) {
+                    way.push((next, made_of(next)));
+                } else if let Some(from) = way.iter().position(|(open, _)| *open == next) {
+                    let circle = way[from..].iter().map(|(i, _)| *i).chain([next]);
+                    let chain: Vec<String> = circle.map(|i| format!("`{}`", all[i].key)).collect();
+                    let help = "give one of them a number of its own";
+                    let flaw = Flaw::ParamCircle { chain: chain.join(" → ") };
+                    self.faults.push(all[at].value.span, flaw, help);
+                    params.insert(all[next].key.clone(), None);
+                }
+            }
+        }
+        params
     }
 
     fn check_size(&mut self, at: Span) {

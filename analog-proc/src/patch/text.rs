@@ -5,8 +5,8 @@
 //! file that is not TOML goes no further, since half-read lines would only
 //! breed false faults.
 
-use super::coefficient::is_name;
 use super::diagnostic::Flaw;
+use super::expression::is_name;
 use super::faults::Faults;
 use crate::net::Span;
 use desk::reader::{Board, Data, Entry, Fields, FileKind, entries, span};

@@ -9,7 +9,7 @@ use crate::{
         trace::{self, BATCH_ROWS, Recorder},
     },
     linkage::console::Console,
-    report::{block_diagram, flight::ten_variables, pacing},
+    report::{block_diagram, flight::variables, pacing},
 };
 use desk::{
     failure::Failure,
@@ -20,7 +20,9 @@ use desk::{
 };
 use interface::Tick;
 use std::path::PathBuf;
-use vehicle::{Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary};
+use vehicle::{
+    Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary, range_safety::GroundPoint,
+};
 
 /// Fly the first stage from lift-off to burn-out.
 #[derive(clap::Args)]
@@ -144,9 +146,8 @@ impl Fly {
             "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.",
         );
         add_results(&vehicle, &summary, &mut outcome.results);
-        let limit = vehicle.data().limits.q_alpha_padeg;
-        let figures = ten_variables(&run.directory.read_trace_thinned()?, limit)?;
-        outcome.section("The ten monitored variables").beside(figures);
+        let figures = variables(&run.directory.read_trace_thinned()?, vehicle.data())?;
+        outcome.section("The monitored variables").beside(figures);
         outcome.section("Partition").figure(Figure::new(
             "partition",
             "Who computes what: control dynamics in the analog processor, trajectory dynamics in the digital one.",
@@ -247,6 +248,15 @@ fn add_results(vehicle: &Vehicle, s: &FlightSummary, results: &mut Summary) {
     let load = &s.max_q_alpha;
     let of_limit = 100.0 * load.value / limit;
     let margin = format!("at {:.1} s; {of_limit:.0} % of the limit {limit:.4e}", load.time_s);
+    let total = &s.max_total_q_alpha;
+    let total_at = format!("at {:.1} s; with the yaw incidence", total.time_s);
+    let azimuth_deg = data.site.azimuth_deg + s.end.azimuth_departure_rad().to_degrees();
+    let used = 100.0 * s.corridor_used;
+    let corridor = match s.corridor_left_s {
+        Some(left_s) => format!("outside its corridor from {left_s:.1} s on"),
+        None => format!("uses {used:.0} % of its corridor"),
+    };
+    let impact = |of: fn(&GroundPoint) -> f64| s.impact.as_ref().map_or(f64::NAN, of);
     let gamma_deg = s.end.path_angle_rad.to_degrees();
     for (key, label, value, digits, unit, note) in [
         ("max_q_pa", "Maximum dynamic pressure".into(), q.value, 5, "Pa", at),
@@ -264,7 +274,26 @@ fn add_results(vehicle: &Vehicle, s: &FlightSummary, results: &mut Summary) {
         ),
         ("burn_out_altitude_m", end("altitude"), s.end.altitude_m, 6, "m", String::new()),
         ("burn_out_range_m", end("range"), s.range_m, 6, "m", String::new()),
+        (
+            "burn_out_cross_range_m",
+            end("cross-range"),
+            s.cross_range_m,
+            4,
+            "m",
+            "starboard positive".into(),
+        ),
+        ("burn_out_azimuth_deg", end("azimuth"), azimuth_deg, 5, "deg", String::new()),
+        (
+            "impact_downrange_m",
+            "Impact point, along the track".into(),
+            impact(|i| i.downrange_m),
+            5,
+            "m",
+            "in vacuum, at the end".into(),
+        ),
+        ("impact_cross_m", "  and across".into(), impact(|i| i.cross_m), 4, "m", corridor),
         ("max_q_alpha_pa_deg", "Maximum Q alpha".into(), load.value, 5, "Pa deg", margin),
+        ("max_total_q_alpha_pa_deg", "  with alpha_y".into(), total.value, 5, "Pa deg", total_at),
         (
             "max_roll_deg",
             "Maximum roll".into(),

@@ -26,7 +26,7 @@ channel_set!(
     Sampled, ChannelKind::Adc,
     [
         adc_theta, adc_psi, adc_phi, adc_alpha, adc_alpha_y, adc_q, adc_r, adc_p, adc_tip_p,
-        adc_tip_2, adc_tip_4, adc_force_p, adc_force_y, adc_control,
+        adc_tip_2, adc_tip_4, adc_force_p, adc_force_y, adc_control, adc_control_y,
     ]
 );
 channel_set!(
@@ -88,8 +88,8 @@ pub struct AttitudeSample {
     pub tip_rad: [f64; 3],
     /// Secondary injection in pitch and yaw, N.
     pub tvc_n: [f64; 2],
-    /// Control force in the pitch plane, N.
-    pub control_force_n: f64,
+    /// Control forces in the pitch and the yaw plane, N.
+    pub control_force_n: [f64; 2],
 }
 
 impl Sampled {
@@ -105,7 +105,7 @@ impl Sampled {
             yaw_incidence_rad: at(self.adc_alpha_y),
             tip_rad: [at(self.adc_tip_p), at(self.adc_tip_2), at(self.adc_tip_4)],
             tvc_n: [at(self.adc_force_p), at(self.adc_force_y)],
-            control_force_n: at(self.adc_control),
+            control_force_n: [at(self.adc_control), at(self.adc_control_y)],
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The digital side of a long-period flight, frame by frame.
 //!
-//! Two tasks. The slow one, once a trajectory step: V, γ, h, Γ by RK4 with θ
-//! and F_c sampled at its start, pitch programme, sequencer, failures, wind, and
-//! the correction of the redundant α integrator. The fast one, in every frame:
+//! Two tasks. The slow one, once a trajectory step: V, γ, h, Γ, v, y by RK4 with
+//! attitude and control forces sampled at its start, pitch programme, sequencer,
+//! failures, wind, and the correction of the redundant α integrator. The fast one, in every frame:
 //! the aerodynamic functions, at the trajectory interpolated between the two
 //! ends of the step, as slopes for the DCUs. (The data set's functions are
 //! linear in α and β, so a slope is the whole function and α multiplies it on
@@ -26,9 +26,10 @@ use vehicle::{
     airframe::AirframeCoefficients,
     flight_mode::{ControlSettings, control_settings},
     flight_summary::FlightSample,
+    range_safety::impact_point,
     reference::FlightCase,
     table_edges::{EdgeRecord, TableName},
-    trajectory::{self, Flow, SampledAttitude, TrajectoryState},
+    trajectory::{self, Attitude, Flow, TrajectoryState},
 };
 
 /// Part of the α error that is taken out in one trajectory step. Half: a prompt
@@ -139,15 +140,16 @@ impl<'v> FlightLaw<'v> {
         let time_s = tick.secs();
         self.start = tick;
         self.state = self.next;
-        let sampled = SampledAttitude {
+        let sampled = Attitude {
             pitch_rad: attitude.angle_rad[0],
-            extrapolation_radps: 0.0,
+            yaw_rad: attitude.angle_rad[1],
             control_force_n: attitude.control_force_n,
         };
         let wind = &self.case.wind;
         let step_s = self.step.secs();
+        let frame = (time_s, step_s);
         let (next, edges) =
-            trajectory::advance(self.vehicle, wind, time_s, &self.state, step_s, &sampled)?;
+            trajectory::advance(self.vehicle, wind, frame, &self.state, &sampled, 0.0)?;
         self.next = next;
         self.edges.merge(edges);
         let command = self.vehicle.pitch_programme().at(time_s);
@@ -259,6 +261,7 @@ impl<'v> FlightLaw<'v> {
             dynamic_pressure_pa: airframe.dynamic_pressure_pa,
             tip_rad: attitude.tip_rad,
             tvc_n: attitude.tvc_n,
+            impact: impact_point(&self.vehicle.data().site, &trajectory),
         }
     }
 }

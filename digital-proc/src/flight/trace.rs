@@ -22,7 +22,7 @@ pub const BATCH_ROWS: usize = 64;
 /// One column: name, unit, and how it is read from a frame.
 type Reader = (&'static str, &'static str, fn(&Samples, &FrameResult) -> f64);
 
-const COLUMNS: [Reader; 34] = [
+const COLUMNS: [Reader; 41] = [
     ("velocity_m_s", "m/s", |_, r| r.sample.trajectory.speed_mps),
     ("flight_path_angle_rad", "rad", |_, r| r.sample.trajectory.path_angle_rad),
     ("altitude_m", "m", |_, r| r.sample.trajectory.altitude_m),
@@ -45,7 +45,7 @@ const COLUMNS: [Reader; 34] = [
     ("pitch_tips_rad", "rad", |_, r| r.attitude.tip_rad[0]),
     ("tip_2_rad", "rad", |_, r| r.attitude.tip_rad[1]),
     ("tip_4_rad", "rad", |_, r| r.attitude.tip_rad[2]),
-    ("control_force_n", "N", |_, r| r.attitude.control_force_n),
+    ("control_force_n", "N", |_, r| r.attitude.control_force_n[0]),
     ("mass_kg", "kg", |_, r| r.airframe.mass_kg),
     ("thrust_n", "N", |_, r| r.airframe.thrust_n),
     ("moment_slope_n_m", "N m/rad", |_, r| r.airframe.moment_slope_nmprad),
@@ -55,6 +55,13 @@ const COLUMNS: [Reader; 34] = [
     ("tvc_gain_n", "N/rad", |_, r| r.settings.tvc_gain_nprad()[0]),
     ("tvc_lead_s", "s", |_, r| r.settings.gains.tvc_lead_s),
     ("dead_zone_rad", "rad", |_, r| r.settings.gains.dead_zone_rad),
+    ("control_force_yaw_n", "N", |_, r| r.attitude.control_force_n[1]),
+    ("q_alpha_total_pa_rad", "Pa rad", |_, r| r.sample.total_q_alpha_padeg().to_radians()),
+    ("cross_speed_m_s", "m/s", |_, r| r.sample.trajectory.cross_speed_mps),
+    ("cross_range_m", "m", |_, r| r.sample.trajectory.cross_m),
+    ("azimuth_departure_rad", "rad", |_, r| r.sample.trajectory.azimuth_departure_rad()),
+    ("impact_downrange_m", "m", |_, r| r.sample.impact.map_or(f64::NAN, |i| i.downrange_m)),
+    ("impact_cross_m", "m", |_, r| r.sample.impact.map_or(f64::NAN, |i| i.cross_m)),
     ("adc_saturated", "", |s, _| f64::from(s.adc_saturated.count_ones())),
     ("overloads", "", |s, _| f64::from(s.overloads)),
 ];

@@ -135,9 +135,9 @@ digital_u_2     = { kind = "dac", channel = 22, max = 1.0 }
 digital_u_4     = { kind = "dac", channel = 23, max = 1.0 }
 tvc_p           = { kind = "dac", channel = 24, max = 1e6 }
 tvc_y           = { kind = "dac", channel = 25, max = 1e6 }
-adc_gyro_q      = { kind = "adc", channel = 14, in = ["gyro_q.y"], max = 2.0 }
-adc_gyro_r      = { kind = "adc", channel = 15, in = ["gyro_r.y"], max = 2.0 }
-adc_gyro_p      = { kind = "adc", channel = 16, in = ["gyro_p.y"], max = 5.0 }
+adc_gyro_q      = { kind = "adc", channel = 15, in = ["gyro_q.y"], max = 2.0 }
+adc_gyro_r      = { kind = "adc", channel = 16, in = ["gyro_r.y"], max = 2.0 }
+adc_gyro_p      = { kind = "adc", channel = 17, in = ["gyro_p.y"], max = 5.0 }
 
 [integration]"#;
 

@@ -1,17 +1,20 @@
-//! The figures of one flight: the ten variables that the paper monitors (section 4.2).
+//! The figures of one flight: the ten variables that the paper monitors (section 4.2), with the
+//! yaw plane's share of the load, and the way across the launch plane.
 
+use super::impact::{IMPACT_CAPTION, impact_chart};
 use desk::{
     outcome::Figure,
     report::plot::{Axis, Limit, LineChart, Series, Size, line_chart},
     run_dir::{RunDirError, Trace},
 };
+use vehicle::VehicleData;
 
 /// Anchor, quantity, unit, and curves as (column, legend, factor to the unit).
 type Row = (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str, f64)]);
 
 const DEG: f64 = 180.0 / std::f64::consts::PI;
 
-const VARIABLES: [Row; 10] = [
+const VARIABLES: [Row; 11] = [
     ("velocity", "Inertial velocity", "m/s", &[("velocity_m_s", "", 1.0)]),
     ("flight-path", "Inertial flight-path angle", "°", &[("flight_path_angle_rad", "", DEG)]),
     ("altitude", "Altitude", "km", &[("altitude_m", "", 1e-3)]),
@@ -19,13 +22,22 @@ const VARIABLES: [Row; 10] = [
     ("alpha", "Pitch angle of attack", "°", &[("alpha_rad", "", DEG)]),
     ("mach", "Mach number", "", &[("mach", "", 1.0)]),
     ("dynamic-pressure", "Dynamic pressure Q", "kPa", &[("dynamic_pressure_pa", "", 1e-3)]),
-    ("q-alpha", "Load indicator Qα", "kPa·°", &[("q_alpha_pa_rad", "", 1e-3 * DEG)]),
+    (
+        "q-alpha",
+        "Load indicator Qα",
+        "kPa·°",
+        &[
+            ("q_alpha_pa_rad", "pitch, Qα", 1e-3 * DEG),
+            ("q_alpha_total_pa_rad", "total, Q√(α² + α_y²)", 1e-3 * DEG),
+        ],
+    ),
     ("attitude", "Attitude", "°", &[("theta_rad", "pitch θ", DEG), ("phi_rad", "roll φ", DEG)]),
     ("tvc-force", "TVC force, pitch loop", "kN", &[("tvc_pitch_force_n", "", 1e-3)]),
+    ("cross-range", "Distance from the launch plane", "m", &[("cross_range_m", "", 1.0)]),
 ];
 
-/// The ten variables in the paper's order; `q_alpha_limit_padeg` is drawn beside Qα.
-pub fn ten_variables(trace: &Trace, q_alpha_limit_padeg: f64) -> Result<Vec<Figure>, RunDirError> {
+/// The variables, the paper's first and in its order, and the track of the impact point.
+pub fn variables(trace: &Trace, data: &VehicleData) -> Result<Vec<Figure>, RunDirError> {
     let time_s = trace.time_s();
     let figure = |(id, quantity, unit, curves): Row| {
         let series = |&(column, name, factor): &(&str, &str, f64)| {
@@ -37,7 +49,7 @@ pub fn ten_variables(trace: &Trace, q_alpha_limit_padeg: f64) -> Result<Vec<Figu
             LineChart::new("", Axis::new("Time", "s"), Axis::new(quantity, unit), series);
         if id == "q-alpha" {
             let limit = |sign| Limit {
-                value: sign * q_alpha_limit_padeg / 1e3,
+                value: sign * data.limits.q_alpha_padeg / 1e3,
                 name: "design limit".to_owned(),
             };
             chart.limits = vec![limit(1.0), limit(-1.0)];
@@ -45,5 +57,9 @@ pub fn ten_variables(trace: &Trace, q_alpha_limit_padeg: f64) -> Result<Vec<Figu
         let caption = format!("{quantity} against time.");
         Ok(Figure::new(id, caption, line_chart(&chart.size(Size::HALF))))
     };
-    VARIABLES.into_iter().map(figure).collect()
+    let mut figures: Vec<Figure> = VARIABLES.into_iter().map(figure).collect::<Result<_, _>>()?;
+    let impact = [trace.column("impact_downrange_m")?, trace.column("impact_cross_m")?];
+    let chart = impact_chart(&[("", impact)], &data.range_safety).size(Size::HALF);
+    figures.push(Figure::new("impact", IMPACT_CAPTION, line_chart(&chart)));
+    Ok(figures)
 }

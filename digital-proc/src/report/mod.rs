@@ -2,6 +2,7 @@
 
 mod block_diagram;
 pub mod flight;
+pub mod impact;
 pub mod pacing;
 
 pub use block_diagram::block_diagram;

@@ -26,6 +26,7 @@ table! { "The whole file." VehicleData
     bending: Bending = table("bending", Bending::read), "Bending modes.";
     disturbance: Disturbance = table("disturbance", Disturbance::read), "Disturbances.";
     limits: Limits = table("limits", Limits::read), "Structural limit.";
+    range_safety: RangeSafety = table("range_safety", RangeSafety::read), "Where the vehicle may come down.";
     pitch_programme: PitchProgrammeData = table("pitch_programme", PitchProgrammeData::read), "Stored pitch programme.";
     wind: WindData = table("wind", WindData::read), "Synthetic wind.";
     gains: DesignedGains = table("gains", DesignedGains::read), "Designed gain schedule.";
@@ -153,6 +154,13 @@ table! { "`[disturbance]`." Disturbance
 
 table! { "`[limits]`." Limits
     q_alpha_padeg: f64 = number_in("q_alpha_Pa_deg", Positive), "Structural limit on dynamic pressure × angle of attack, Pa·deg.";
+}
+
+table! { "`[range_safety]`: corridor of the instantaneous impact point, and loss of control." RangeSafety
+    half_width_m: f64 = number_in("half_width", Positive), "Half width of the corridor at the launch point, m.";
+    opening_deg: f64 = number_in("opening_deg", NotNegative), "Angle by which each side opens down the track, deg.";
+    behind_m: f64 = number_in("behind", Positive), "How far it reaches behind the launch point, m.";
+    control_lost_deg: f64 = number_in("control_lost_deg", Positive), "Departure of the nose from its command at which control is lost, deg.";
 }
 
 table! { "`[pitch_programme]`." PitchProgrammeData

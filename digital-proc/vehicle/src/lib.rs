@@ -21,6 +21,7 @@ pub mod gain_schedule;
 mod mass;
 pub mod modal_response;
 pub mod pitch_programme;
+pub mod range_safety;
 pub mod reference;
 pub mod rk4;
 pub mod slice;
@@ -37,8 +38,8 @@ use std::path::Path;
 pub use aero::{AeroCoefficients, AeroTables};
 pub use data::{
     Aero, Bending, Component, Derived, DesignedGains, Disturbance, Ftc, Geometry, Gyro, Imu,
-    Limits, LongPeriodCase, Mass, PitchProgrammeData, ScheduleData, Site, Thrust, Tvc, VehicleData,
-    WindData, WindStatistics,
+    Limits, LongPeriodCase, Mass, PitchProgrammeData, RangeSafety, ScheduleData, Site, Thrust, Tvc,
+    VehicleData, WindData, WindStatistics,
 };
 pub use mass::{MassModel, MassProperties};
 pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};

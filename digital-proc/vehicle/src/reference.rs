@@ -12,8 +12,8 @@
 //! step there; at 1 ms that is far below what the partition does.
 //!
 //! [`fly_partitioned`] is the same model with the paper's split imposed on it:
-//! everything the digital side sets is held over a frame, and V, γ, h, Γ
-//! advance by one RK4 step a frame. Converters, latency and multi-rate tasks
+//! everything the digital side sets is held over a frame, and the translation
+//! advances by one RK4 step a frame. Converters, latency and multi-rate tasks
 //! are not in it; it isolates the partition's own error.
 
 pub mod attitude;
@@ -23,9 +23,10 @@ use attitude::{AttitudeInputs, AttitudeState, STATE_LEN};
 use crate::Vehicle;
 use crate::flight_mode::{FlightScript, control_settings};
 use crate::flight_summary::{FlightMonitor, FlightSample, FlightSummary};
+use crate::range_safety::impact_point;
 use crate::rk4;
 use crate::table_edges::{EdgeRecord, TableName};
-use crate::trajectory::{self, FlightError, SampledAttitude, TrajectoryState};
+use crate::trajectory::{self, FlightError, STATE_LEN as MOVING, TrajectoryState};
 use crate::wind::Wind;
 
 /// Coarsest step rate of the reference, 1/s: the gyro (100 rad/s) is its
@@ -105,6 +106,7 @@ fn instant(
 }
 
 fn sample(
+    vehicle: &Vehicle,
     time_s: f64,
     state: &TrajectoryState,
     attitude: &AttitudeState,
@@ -121,15 +123,18 @@ fn sample(
         dynamic_pressure_pa: now.airframe.dynamic_pressure_pa,
         tip_rad: attitude.tip_rad,
         tvc_n: attitude.tvc_n,
+        impact: impact_point(&vehicle.data().site, state),
     }
 }
 
 /// Names of the monolithic state, in its order, for error reports.
-const NAMES: [&str; 4 + STATE_LEN] = [
+const NAMES: [&str; MOVING + STATE_LEN] = [
     "speed",
     "flight-path angle",
     "altitude",
     "range angle",
+    "lateral speed",
+    "distance from the launch plane",
     "pitch",
     "yaw",
     "roll",
@@ -151,17 +156,17 @@ const NAMES: [&str; 4 + STATE_LEN] = [
     "yaw filter",
 ];
 
-fn split(y: &[f64; 4 + STATE_LEN]) -> (TrajectoryState, AttitudeState) {
-    let translation: [f64; 4] = std::array::from_fn(|i| y[i]);
-    let rotation: [f64; STATE_LEN] = std::array::from_fn(|i| y[4 + i]);
+fn split(y: &[f64; MOVING + STATE_LEN]) -> (TrajectoryState, AttitudeState) {
+    let translation: [f64; MOVING] = std::array::from_fn(|i| y[i]);
+    let rotation: [f64; STATE_LEN] = std::array::from_fn(|i| y[MOVING + i]);
     (TrajectoryState::from_array(translation), AttitudeState::from_array(rotation))
 }
 
-fn joined(translation: [f64; 4], rotation: [f64; STATE_LEN]) -> [f64; 4 + STATE_LEN] {
-    std::array::from_fn(|i| if i < 4 { translation[i] } else { rotation[i - 4] })
+fn joined(translation: [f64; MOVING], rotation: [f64; STATE_LEN]) -> [f64; MOVING + STATE_LEN] {
+    std::array::from_fn(|i| if i < MOVING { translation[i] } else { rotation[i - MOVING] })
 }
 
-fn require_finite(time_s: f64, y: &[f64; 4 + STATE_LEN]) -> Result<(), FlightError> {
+fn require_finite(time_s: f64, y: &[f64; MOVING + STATE_LEN]) -> Result<(), FlightError> {
     match y.iter().position(|v| !v.is_finite()) {
         Some(i) => Err(FlightError::NotFinite { time_s, variable: NAMES[i] }),
         None => Ok(()),
@@ -207,7 +212,7 @@ pub fn fly(
         let gains_s = time_s + 0.5 * step_s;
         let (translation, rotation) = split(&y);
         let (now, _) = instant(vehicle, case, time_s, gains_s, &translation)?;
-        let seen = sample(time_s, &translation, &rotation, &now.inputs);
+        let seen = sample(vehicle, time_s, &translation, &rotation, &now.inputs);
         monitor.observe(&seen, now.edges);
         observe(&seen);
         if n == steps {
@@ -216,14 +221,12 @@ pub fn fly(
         y = rk4::step(time_s, &y, step_s, |stage_s, y| {
             let (translation, rotation) = split(y);
             let (now, flow) = instant(vehicle, case, stage_s, gains_s, &translation)?;
-            let force_n = attitude::pitch_plane_force_n(&rotation, &now.inputs);
             let moving = trajectory::derivative(
                 vehicle,
                 stage_s,
                 &translation,
                 (&flow, &now.inputs.airframe),
-                rotation.angle_rad[0],
-                force_n,
+                &attitude::for_translation(&rotation, &now.inputs),
             )?;
             let turning = attitude::derivative(vehicle, &rotation, &now.inputs);
             Ok(joined(moving, turning.to_array()))
@@ -244,8 +247,8 @@ pub enum StagePitch {
 
 /// Flies with the paper's partition and frames of `steps_per_frame` steps of
 /// the attitude side: slopes, gains, θ_c, γ_air and Γ are those of the frame
-/// start, held; the trajectory takes one RK4 step a frame with θ and F_c of the
-/// frame start. The flight ends with the last whole frame before burn-out.
+/// start, held; the trajectory takes one RK4 step a frame with the attitude and control forces of
+/// the frame start. The flight ends with the last whole frame before burn-out.
 /// `observe` gets a sample at every frame start and at the end.
 pub fn fly_partitioned(
     vehicle: &Vehicle,
@@ -271,22 +274,20 @@ pub fn fly_partitioned(
         let time_s = first_step as f64 / rate;
         // A frame never switches gains inside: those in force just after its start.
         let (now, _) = instant(vehicle, case, time_s, time_s + 0.5 * step_s, &translation)?;
-        let seen = sample(time_s, &translation, &rotation, &now.inputs);
+        let seen = sample(vehicle, time_s, &translation, &rotation, &now.inputs);
         monitor.observe(&seen, now.edges);
         observe(&seen);
         if frame == frames {
             break;
         }
-        let sampled = SampledAttitude {
-            pitch_rad: rotation.angle_rad[0],
-            extrapolation_radps: match stage_pitch {
-                StagePitch::Held => 0.0,
-                StagePitch::Extrapolated => rotation.rate_radps[0],
-            },
-            control_force_n: attitude::pitch_plane_force_n(&rotation, &now.inputs),
+        let sampled = attitude::for_translation(&rotation, &now.inputs);
+        let pitch_rate_radps = match stage_pitch {
+            StagePitch::Held => 0.0,
+            StagePitch::Extrapolated => rotation.rate_radps[0],
         };
+        let (wind, frame) = (&case.wind, (time_s, frame_s));
         translation =
-            trajectory::advance(vehicle, &case.wind, time_s, &translation, frame_s, &sampled)?.0;
+            trajectory::advance(vehicle, wind, frame, &translation, &sampled, pitch_rate_radps)?.0;
         for sub in 0..u64::from(steps_per_frame) {
             let sub_s = (first_step + sub) as f64 / rate;
             let next = rk4::step(sub_s, &rotation.to_array(), step_s, |_, y| {

@@ -7,7 +7,7 @@
 use crate::airframe::AirframeCoefficients;
 use crate::flight_mode::ControlSettings;
 use crate::rk4;
-use crate::trajectory::{self, FlightError, TrajectoryState};
+use crate::trajectory::{self, Attitude, FlightError, TrajectoryState};
 use crate::wind::Wind;
 use crate::{BendingMode, Vehicle};
 
@@ -73,7 +73,8 @@ fn point_mass_step(
         let stage = TrajectoryState::from_array(*y);
         let (flow, airframe) = trajectory::surroundings(vehicle, &Wind::Calm, stage_s, &stage)?;
         let pitch_rad = vehicle.pitch_programme().at(stage_s).pitch_rad;
-        trajectory::derivative(vehicle, stage_s, &stage, (&flow, &airframe), pitch_rad, 0.0)
+        let attitude = Attitude::in_plane(pitch_rad);
+        trajectory::derivative(vehicle, stage_s, &stage, (&flow, &airframe), &attitude)
     })?;
     Ok(TrajectoryState::from_array(next))
 }

@@ -1,7 +1,8 @@
-//! Translation in the pitch plane: what the digital side integrates.
+//! Translation in the pitch plane and across it: what the digital side integrates.
 //!
-//! State: inertial speed V, flight-path angle γ from the local horizontal,
-//! geometric altitude h, range angle Γ on a spherical, non-rotating Earth.
+//! State: inertial speed V in the pitch plane, flight-path angle γ from the local
+//! horizontal, geometric altitude h, range angle Γ on a spherical, non-rotating
+//! Earth; lateral speed v and distance y from the launch plane to starboard.
 //! With r = R_E + h, g = μ/r², body incidence to the path a = θ + Γ − γ,
 //! aerodynamic incidence α = θ + Γ − γ_air, and N′ = L_α α − F_c:
 //!
@@ -10,11 +11,26 @@
 //! * ḣ = V sin γ
 //! * Γ̇ = V cos γ/r
 //! * γ_air = atan2(V sin γ, V cos γ − W), V_a² = (V sin γ)² + (V cos γ − W)² + W_cross²
+//! * v̇ = [(T − A) sin ψ + (L_α (ψ + atan2(W_cross − v, V_a)) − F_y) cos ψ]/m − g y/r
+//! * ẏ = v
 //!
 //! θ is inertial pitch from the launch horizontal, so θ + Γ is pitch from the
 //! local one. F_c, the control force in the pitch plane, is positive when it
 //! turns the nose up; being aft of the centre of gravity it then pushes against
-//! the normal force.
+//! the normal force. F_y does the same in the yaw plane, positive where it turns
+//! the nose to starboard.
+//!
+//! y points along the normal of the launch plane, which is fixed in the inertial
+//! frame: the paper's v_E and R_oy, eqs. (11) and (16). So nothing but forces is in
+//! v̇; the thrust axis leaves the plane by sin ψ, eq. (3), the side force follows
+//! the drift through the air, and gravity pulls back by y/r. The plane itself feels
+//! nothing of it: V, γ, h, Γ are the components in the pitch plane (cos ψ = 1), and
+//! the yaw loop has the nominal α_y, without the drift (the paper, §4.2). Thrust
+//! misalignment is a moment in both planes, no force.
+//!
+//! Departs from the paper, eq. (14): the azimuth departs from that of the launch
+//! by atan2(v, V cos γ), since it needs the horizontal speed. Departs from the
+//! paper, eq. (19): the angle off the launch plane is sin⁻¹(y/r).
 //!
 //! These are the paper's eqs. (1) and (11)–(18) in flight-path axes, which keep
 //! the product q·u (an "artificial acceleration") out of the digital frame.
@@ -26,8 +42,8 @@
 //! horizontal throughout. Departs from the paper, eq. (18): Γ is the whole
 //! range angle.
 //!
-//! The stage of a Runge–Kutta step takes θ and F_c as sampled at the frame
-//! start, either held or with θ extrapolated along a given rate.
+//! The stage of a Runge–Kutta step takes θ, ψ, F_c and F_y as sampled at the frame
+//! start, held, or with θ extrapolated along a given rate.
 
 use crate::Vehicle;
 use crate::airframe::{AirframeCoefficients, airframe_at};
@@ -67,7 +83,14 @@ pub struct TrajectoryState {
     pub altitude_m: f64,
     /// Γ, rad.
     pub range_angle_rad: f64,
+    /// v, m/s, to starboard.
+    pub cross_speed_mps: f64,
+    /// y, m, to starboard of the launch plane.
+    pub cross_m: f64,
 }
+
+/// Number of translational states.
+pub const STATE_LEN: usize = 6;
 
 impl TrajectoryState {
     /// Lift-off: 1 m/s, a hair off the vertical, at the launch altitude.
@@ -77,17 +100,35 @@ impl TrajectoryState {
             path_angle_rad: std::f64::consts::FRAC_PI_2 - START_OFF_VERTICAL_RAD,
             altitude_m: vehicle.data().site.launch_altitude_m,
             range_angle_rad: 0.0,
+            cross_speed_mps: 0.0,
+            cross_m: 0.0,
         }
     }
 
-    /// As the array `[V, γ, h, Γ]`.
-    pub fn to_array(self) -> [f64; 4] {
-        [self.speed_mps, self.path_angle_rad, self.altitude_m, self.range_angle_rad]
+    /// As the array `[V, γ, h, Γ, v, y]`.
+    pub fn to_array(self) -> [f64; STATE_LEN] {
+        [
+            self.speed_mps,
+            self.path_angle_rad,
+            self.altitude_m,
+            self.range_angle_rad,
+            self.cross_speed_mps,
+            self.cross_m,
+        ]
     }
 
-    /// From the array `[V, γ, h, Γ]`.
-    pub fn from_array([speed_mps, path_angle_rad, altitude_m, range_angle_rad]: [f64; 4]) -> Self {
-        Self { speed_mps, path_angle_rad, altitude_m, range_angle_rad }
+    /// From the array `[V, γ, h, Γ, v, y]`.
+    pub fn from_array(array: [f64; STATE_LEN]) -> Self {
+        let [speed_mps, path_angle_rad, altitude_m, range_angle_rad, cross_speed_mps, cross_m] =
+            array;
+        Self { speed_mps, path_angle_rad, altitude_m, range_angle_rad, cross_speed_mps, cross_m }
+    }
+
+    /// Departure of the flight azimuth from that of the launch, rad, positive to starboard;
+    /// without meaning while the path is vertical.
+    pub fn azimuth_departure_rad(&self) -> f64 {
+        let along_mps = self.speed_mps * libm::cos(self.path_angle_rad);
+        libm::atan2(self.cross_speed_mps, along_mps)
     }
 }
 
@@ -100,6 +141,8 @@ pub struct Flow {
     pub air_path_angle_rad: f64,
     /// atan2(W_cross, V_a), rad: what the crosswind adds to the yaw incidence.
     pub crosswind_angle_rad: f64,
+    /// W_cross, m/s, positive to starboard.
+    pub crosswind_mps: f64,
     pub edges: EdgeRecord,
 }
 
@@ -116,6 +159,7 @@ pub fn flow_at(wind: &Wind, state: &TrajectoryState) -> Flow {
         airspeed_mps,
         air_path_angle_rad: libm::atan2(up_mps, along_mps),
         crosswind_angle_rad: libm::atan2(sample.cross_mps, airspeed_mps),
+        crosswind_mps: sample.cross_mps,
         edges,
     }
 }
@@ -133,73 +177,82 @@ pub fn surroundings(
     Ok((flow, airframe))
 }
 
-/// `[V̇, γ̇, ḣ, Γ̇]` for given flow, coefficients, pitch attitude θ (rad) and
-/// control force F_c (N) in the pitch plane.
+/// What the translation takes from the attitude side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attitude {
+    /// θ, rad.
+    pub pitch_rad: f64,
+    /// ψ, rad.
+    pub yaw_rad: f64,
+    /// F_c and F_y, the control forces in the pitch and the yaw plane, N.
+    pub control_force_n: [f64; 2],
+}
+
+impl Attitude {
+    /// In the pitch plane at θ, without control forces.
+    pub fn in_plane(pitch_rad: f64) -> Self {
+        Self { pitch_rad, yaw_rad: 0.0, control_force_n: [0.0; 2] }
+    }
+}
+
+/// `[V̇, γ̇, ḣ, Γ̇, v̇, ẏ]` for given flow, coefficients and attitude.
 pub fn derivative(
     vehicle: &Vehicle,
     time_s: f64,
     state: &TrajectoryState,
     (flow, airframe): (&Flow, &AirframeCoefficients),
-    pitch_rad: f64,
-    control_force_n: f64,
-) -> Result<[f64; 4], FlightError> {
+    attitude: &Attitude,
+) -> Result<[f64; STATE_LEN], FlightError> {
     if state.speed_mps <= 0.0 {
         return Err(FlightError::SpeedLost { time_s, speed_mps: state.speed_mps });
     }
     let site = &vehicle.data().site;
     let radius_m = site.earth_radius_m + state.altitude_m;
     let gravity_mps2 = site.mu_m3ps2 / (radius_m * radius_m);
-    let local_pitch_rad = pitch_rad + state.range_angle_rad;
+    let local_pitch_rad = attitude.pitch_rad + state.range_angle_rad;
     let (sin_a, cos_a) = libm::sincos(local_pitch_rad - state.path_angle_rad);
     let incidence_rad = local_pitch_rad - flow.air_path_angle_rad;
     let (sin_g, cos_g) = libm::sincos(state.path_angle_rad);
     let axial_n = airframe.thrust_n - airframe.axial_force_n;
-    let normal_n = airframe.normal_force_slope_nprad * incidence_rad - control_force_n;
+    let [pitch_force_n, yaw_force_n] = attitude.control_force_n;
+    let normal_n = airframe.normal_force_slope_nprad * incidence_rad - pitch_force_n;
     let speed_mps = state.speed_mps;
+
+    let (sin_psi, cos_psi) = libm::sincos(attitude.yaw_rad);
+    let drift_mps = flow.crosswind_mps - state.cross_speed_mps;
+    let sideslip_rad = attitude.yaw_rad + libm::atan2(drift_mps, flow.airspeed_mps);
+    let side_n = airframe.normal_force_slope_nprad * sideslip_rad - yaw_force_n;
     Ok([
         (axial_n * cos_a - normal_n * sin_a) / airframe.mass_kg - gravity_mps2 * sin_g,
         (axial_n * sin_a + normal_n * cos_a) / (airframe.mass_kg * speed_mps)
             - (gravity_mps2 / speed_mps - speed_mps / radius_m) * cos_g,
         speed_mps * sin_g,
         speed_mps * cos_g / radius_m,
+        (axial_n * sin_psi + side_n * cos_psi) / airframe.mass_kg
+            - gravity_mps2 * state.cross_m / radius_m,
+        state.cross_speed_mps,
     ])
 }
 
-/// What a frame knows of the attitude side, sampled at its start.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SampledAttitude {
-    /// θ, rad.
-    pub pitch_rad: f64,
-    /// Rate along which θ is carried into the stages, rad/s; 0 holds it.
-    pub extrapolation_radps: f64,
-    /// F_c, N, held.
-    pub control_force_n: f64,
-}
-
-/// One Runge–Kutta frame of the trajectory from `time_s` over `frame_s`;
-/// returns the new state and the table edges met in the stages.
+/// One Runge–Kutta frame of the trajectory from `time_s` over `frame_s`; returns the new state
+/// and the table edges met in the stages. The attitude is that of the frame start, held, but for
+/// θ, which is carried into the stages along `pitch_rate_radps` (0 holds it too).
 pub fn advance(
     vehicle: &Vehicle,
     wind: &Wind,
-    time_s: f64,
+    (time_s, frame_s): (f64, f64),
     state: &TrajectoryState,
-    frame_s: f64,
-    attitude: &SampledAttitude,
+    sampled: &Attitude,
+    pitch_rate_radps: f64,
 ) -> Result<(TrajectoryState, EdgeRecord), FlightError> {
     let mut edges = EdgeRecord::NONE;
     let next = rk4::step(time_s, &state.to_array(), frame_s, |stage_s, y| {
         let stage = TrajectoryState::from_array(*y);
         let (flow, airframe) = surroundings(vehicle, wind, stage_s, &stage)?;
         edges.merge(airframe.edges);
-        let pitch_rad = attitude.pitch_rad + attitude.extrapolation_radps * (stage_s - time_s);
-        derivative(
-            vehicle,
-            stage_s,
-            &stage,
-            (&flow, &airframe),
-            pitch_rad,
-            attitude.control_force_n,
-        )
+        let pitch_rad = sampled.pitch_rad + pitch_rate_radps * (stage_s - time_s);
+        let attitude = Attitude { pitch_rad, ..*sampled };
+        derivative(vehicle, stage_s, &stage, (&flow, &airframe), &attitude)
     })?;
     Ok((TrajectoryState::from_array(next), edges))
 }
@@ -223,22 +276,37 @@ mod tests {
             path_angle_rad: 1.0,
             altitude_m: 24_000.0,
             range_angle_rad: 0.01,
+            cross_speed_mps: 40.0,
+            cross_m: -500.0,
         };
         let radius = |s: &TrajectoryState| 6_371_000.0 + s.altitude_m;
         let energy = |s: &TrajectoryState| 0.5 * s.speed_mps.powi(2) - 3.986004418e14 / radius(s);
         let momentum = |s: &TrajectoryState| radius(s) * s.speed_mps * s.path_angle_rad.cos();
-        let (e0, l0) = (energy(&state), momentum(&state));
-        let sampled =
-            SampledAttitude { pitch_rad: 1.0, extrapolation_radps: 0.0, control_force_n: 0.0 };
+        // Of the way across: the normal of the orbital plane, R × V over its length.
+        let normal = |s: &TrajectoryState| {
+            let (r, y, v) = (radius(s), s.cross_m, s.cross_speed_mps);
+            let (up, along) = s.path_angle_rad.sin_cos();
+            let (up, along) = (s.speed_mps * up, s.speed_mps * along);
+            let (sin, cos) = s.range_angle_rad.sin_cos();
+            let [vx, vz] = [up * sin + along * cos, up * cos - along * sin];
+            [y * vz - r * cos * v, r * sin * v - y * vx].map(|n| n / (r * along))
+        };
+        let (e0, l0, n0) = (energy(&state), momentum(&state), normal(&state));
+        let sampled = Attitude::in_plane(1.0);
         for n in 0..500 {
             let t = 60.0 + 0.1 * f64::from(n);
-            state = advance(&vehicle, &Wind::Calm, t, &state, 0.1, &sampled).unwrap().0;
+            state = advance(&vehicle, &Wind::Calm, (t, 0.1), &state, &sampled, 0.0).unwrap().0;
         }
         // RK4 at 0.1 s: the path turns at γ̇ ≈ g/V ≈ 0.01 rad/s, so h⁴γ̇⁵/120
         // is below 1e-16 a step; what remains is rounding, 500 steps of some
         // ten operations: 5000·1.1e-16.
         assert!((energy(&state) / e0 - 1.0).abs() < 1e-12);
         assert!((momentum(&state) / l0 - 1.0).abs() < 1e-12);
+        // Gravity is taken at r instead of √(r² + y²): (y/r)² = 1e-7 of the turn of the plane's
+        // normal, which is below 0.1 rad.
+        for (now, then) in normal(&state).into_iter().zip(n0) {
+            assert!((now - then).abs() < 1e-8, "{now} {then}");
+        }
     }
 
     #[test]
@@ -246,10 +314,8 @@ mod tests {
         let vehicle = Vehicle::shipped().unwrap();
         let mut state = TrajectoryState::at_lift_off(&vehicle);
         state.speed_mps = 0.0;
-        let sampled =
-            SampledAttitude { pitch_rad: 1.5, extrapolation_radps: 0.0, control_force_n: 0.0 };
         assert!(matches!(
-            advance(&vehicle, &Wind::Calm, 0.0, &state, 0.1, &sampled),
+            advance(&vehicle, &Wind::Calm, (0.0, 0.1), &state, &Attitude::in_plane(1.5), 0.0),
             Err(FlightError::SpeedLost { .. })
         ));
     }

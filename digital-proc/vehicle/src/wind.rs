@@ -11,7 +11,11 @@
 //! * c = `combine`, the customary 0.85 when shear and gust act together.
 //!
 //! Signs: positive along the flight direction (tailwind), so that a headwind is
-//! negative; the crosswind is `cross_frac` times the signed profile.
+//! negative; a crosswind is positive where it blows to starboard, the side to
+//! which positive yaw turns the nose, so that it adds to α_y. The crosswind is
+//! `cross_frac` times the profile. Unless told otherwise it has the sign of the
+//! profile along: with the shipped fraction a headwind then blows to port. Which
+//! side is free, so the tankage flies both.
 //! Outside the envelope's altitudes its end value holds, flagged.
 
 use crate::table::{Edge, Table, TableError};
@@ -27,7 +31,7 @@ const SHEAR_EXPONENT: f64 = 0.7;
 pub struct WindSample {
     /// Component along the flight direction, m/s; headwind negative.
     pub along_mps: f64,
-    /// Component across it, m/s.
+    /// Component across it, m/s; positive to starboard.
     pub cross_mps: f64,
     pub edge: Edge,
 }
@@ -58,16 +62,22 @@ impl Wind {
     /// The vehicle's synthetic profile as head- or tailwind.
     pub fn synthetic(vehicle: &Vehicle, direction: WindDirection) -> Result<Self, TableError> {
         let sign = if direction == WindDirection::Head { -1.0 } else { 1.0 };
-        SyntheticWind::new(&vehicle.data().wind, sign).map(Self::Synthetic)
+        Self::signed(vehicle, sign, sign)
+    }
+
+    /// The synthetic profile, scaled by `along` in the flight plane (−1 headwind) and, times its
+    /// share, by `cross` across it (+1 to starboard); calm where both are 0.
+    pub fn signed(vehicle: &Vehicle, along: f64, cross: f64) -> Result<Self, TableError> {
+        if along == 0.0 && cross == 0.0 {
+            return Ok(Self::Calm);
+        }
+        SyntheticWind::new(&vehicle.data().wind, along, cross).map(Self::Synthetic)
     }
 
     /// The wind of the data set's design case: its sign scales the profile.
     pub fn design_case(vehicle: &Vehicle) -> Result<Self, TableError> {
         let sign = vehicle.data().long_period_case.wind_sign;
-        if sign == 0.0 {
-            return Ok(Self::Calm);
-        }
-        SyntheticWind::new(&vehicle.data().wind, sign).map(Self::Synthetic)
+        Self::signed(vehicle, sign, sign)
     }
 
     pub fn at(&self, altitude_m: f64) -> WindSample {
@@ -86,7 +96,7 @@ impl Wind {
     }
 }
 
-/// The synthetic profile with its sign.
+/// The synthetic profile with its signs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SyntheticWind {
     envelope_mps: Table,
@@ -95,13 +105,15 @@ pub struct SyntheticWind {
     shear: f64,
     gust_mps: f64,
     gust_length_m: f64,
-    sign: f64,
+    /// Factors on the profile along and across.
+    along: f64,
+    cross: f64,
     cross_fraction: f64,
 }
 
 impl SyntheticWind {
-    /// Of the `[wind]` section; `sign` scales the whole profile (−1 headwind).
-    pub fn new(data: &WindData, sign: f64) -> Result<Self, TableError> {
+    /// Of the `[wind]` section; `along` and `cross` as in [`Wind::signed`].
+    pub fn new(data: &WindData, along: f64, cross: f64) -> Result<Self, TableError> {
         let reference_m = data.reference_altitude_m;
         let envelope_mps =
             Table::new(data.envelope_altitude_m.clone(), data.envelope_speed_mps.clone())?;
@@ -112,7 +124,8 @@ impl SyntheticWind {
             shear: data.combination_factor * data.shear_a,
             gust_mps: data.combination_factor * data.gust_mps,
             gust_length_m: data.gust_length_m,
-            sign,
+            along,
+            cross,
             cross_fraction: data.cross_fraction,
         })
     }
@@ -127,8 +140,12 @@ impl SyntheticWind {
         } else {
             envelope.value
         };
-        let along_mps = self.sign * (steady_mps + self.gust_mps * self.gust_shape(-depth_m));
-        WindSample { along_mps, cross_mps: self.cross_fraction * along_mps, edge: envelope.edge }
+        let profile_mps = steady_mps + self.gust_mps * self.gust_shape(-depth_m);
+        WindSample {
+            along_mps: self.along * profile_mps,
+            cross_mps: self.cross_fraction * (self.cross * profile_mps),
+            edge: envelope.edge,
+        }
     }
 
     /// 0…1, against height above the reference altitude, m.

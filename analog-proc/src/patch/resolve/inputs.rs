@@ -7,8 +7,8 @@
 use super::{Resolver, Weighted, article};
 use crate::block::kind::Inputs;
 use crate::net::{Input, Span};
-use crate::patch::coefficient::{FactorValue, parse};
 use crate::patch::diagnostic::Flaw;
+use crate::patch::expression::{Expression, parse};
 use crate::patch::fields::Fields;
 use crate::patch::number::{self, bad_coefficient, evaluate, part_of};
 use crate::patch::scope::Scope;
@@ -33,27 +33,19 @@ impl Resolver<'_> {
             return None;
         };
         let place = part_of(self.faults, value.span, text);
-        let product = match parse(text) {
-            Ok(product) => product,
+        let input = match parse(text).and_then(Expression::into_input) {
+            Ok(input) => input,
             Err(error) => {
                 bad_coefficient(text, place(error.range), error.why, error.help, self.faults);
                 return None;
             }
         };
-        let last = product.factors.last()?;
-        let FactorValue::Name(name) = last.value else {
-            bad_coefficient(
-                text,
-                place(last.range.clone()),
-                "the last factor must be a net",
-                "write `0.5 * x`; a number alone needs a `constant` block, { kind = \"constant\", value = 0.5 }",
-                self.faults,
-            );
-            return None;
-        };
         let params = &self.instances.scopes[scope].params;
-        let coefficient = evaluate(&product, true, params, &place, field, self.faults);
-        let (net, weight) = self.net(scope, name, place(last.range.clone()))?;
+        let coefficient = match &input.coefficient {
+            Some(coefficient) => evaluate(coefficient, params, &place, field, self.faults),
+            None => Some(1.0),
+        };
+        let (net, weight) = self.net(scope, input.net, place(input.range))?;
         let coefficient = coefficient? * weight;
         if !coefficient.is_finite() {
             number::not_finite(field, value.span, self.faults);

@@ -13,7 +13,7 @@ use crate::{
     study::{
         fault::StudyFault,
         long_period::{
-            results::{Acceptance, Departure, FlightWind},
+            results::{Acceptance, Departure},
             run::{Bench, LongPeriodPlan},
         },
     },
@@ -23,6 +23,7 @@ use vehicle::{
     flight_mode::FlightScript,
     flight_summary::FlightSummary,
     gain_schedule::{DeadZoneLaw, LoopGains},
+    reference::FlightCase,
 };
 
 /// Reserve kept below the load limit, fraction of it.
@@ -129,14 +130,13 @@ impl Trials<'_> {
     fn fly(&mut self, console: &mut Console<'_>, data: &ScheduleData) -> Result<Trial, StudyFault> {
         let candidate = schedule::with_designed(self.vehicle, data)?;
         let case = &self.vehicle.data().long_period_case;
-        let sound = FlightScript::sound();
         let nominal = match self.nominal {
             Some(nominal) => nominal,
             None => {
                 self.flights += 1;
-                let (flown, _) =
-                    self.bench.fly(console, self.vehicle, &sound, FlightWind::Calm, [0.0; 2])?;
-                *self.nominal.insert(flown.ended.map_err(StudyFault::NominalLost)?)
+                let undisturbed = FlightCase::undisturbed();
+                let (ended, _) = self.bench.fly(console, self.vehicle, &undisturbed, false)?;
+                *self.nominal.insert(ended.map_err(StudyFault::NominalLost)?)
             }
         };
         let accept = Acceptance::new(self.vehicle);
@@ -145,15 +145,11 @@ impl Trials<'_> {
         let misalignments = std::iter::once(case.misalign_pitch).chain(TRIAL_MISALIGNMENTS);
         for (k, pitch) in misalignments.enumerate() {
             self.flights += 1;
-            let (flown, _) = self.bench.fly(
-                console,
-                &candidate,
-                &sound,
-                FlightWind::DesignCase,
-                [pitch, case.misalign_yaw],
-            )?;
-            load = load.max(flown.ended.as_ref().map_or(f64::INFINITY, |f| f.max_q_alpha.value));
-            if let (0, Ok(flight)) = (k, &flown.ended) {
+            let mut flight = FlightCase::design(&candidate, &FlightScript::sound())?;
+            flight.pitch_misalignment = pitch;
+            let (ended, _) = self.bench.fly(console, &candidate, &flight, false)?;
+            load = load.max(ended.as_ref().map_or(f64::INFINITY, |f| f.max_q_alpha.value));
+            if let (0, Ok(flight)) = (k, &ended) {
                 severity = Departure::new(flight, &nominal).severity(&accept);
             }
         }

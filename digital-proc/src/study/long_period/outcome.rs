@@ -5,7 +5,10 @@ use super::{
     claims::{DEPARTURES, FIGURE_8, LOADS, MODES, Q_ALPHA, judge},
     results::{Departure, Flown, LongPeriodResults, ModeResult},
 };
-use crate::study::gain_design::schedule::charts;
+use crate::{
+    report::impact::{IMPACT_CAPTION, impact_chart},
+    study::gain_design::schedule::charts,
+};
 use desk::{
     outcome::{Figure, Outcome},
     report::{
@@ -15,7 +18,10 @@ use desk::{
     run_dir::{Curves, TRACE_FILE},
 };
 use interface::Tick;
-use vehicle::flight_summary::{FlightSample, FlightSummary};
+use vehicle::{
+    flight_summary::{FlightSample, FlightSummary},
+    range_safety::GroundPoint,
+};
 
 /// Curves that one chart can carry before they hide each other.
 const MOST_CURVES: usize = 6;
@@ -64,6 +70,7 @@ pub fn fill(results: &LongPeriodResults, step: Tick, out: &mut Outcome) {
             }),
         )
         .long_table("flights", "Every flight at burn-out.", flight_table(results));
+    range_safety(results, out);
     schedules(results, out);
     fuel(results, out);
     for (mode, flown) in results.modes.iter().flat_map(|m| m.all_flights().map(move |f| (m, f))) {
@@ -78,6 +85,54 @@ pub fn fill(results: &LongPeriodResults, step: Tick, out: &mut Outcome) {
     }
     out.claims.extend(judge(results));
     out.traces.push((TRACE_FILE, curves(results, step)));
+}
+
+/// Lateral trajectory and impact point of every mode's design case.
+fn range_safety(results: &LongPeriodResults, out: &mut Outcome) {
+    fn flight(mode: &ModeResult, of: fn(&FlightSummary) -> f64) -> Cell {
+        mode.design.ended.as_ref().ok().map(of).into()
+    }
+    fn if_ever(mode: &ModeResult, of: fn(&FlightSummary) -> Option<f64>) -> Cell {
+        mode.design.ended.as_ref().ok().and_then(of).into()
+    }
+    let columns: [Column<ModeResult>; 8] = [
+        Column::new("Mode", "", |m| m.name.as_str().into()),
+        Column::of("Cross-range", "m", 4, |m| flight(m, |f| f.cross_range_m)),
+        Column::of("Azimuth off by", "°", 3, |m| {
+            flight(m, |f| f.end.azimuth_departure_rad().to_degrees())
+        }),
+        Column::new("Impact point down the track", "km", |m| {
+            if_ever(m, |f| f.impact.map(|i| i.downrange_m / 1e3))
+        }),
+        Column::of("across it", "km", 3, |m| if_ever(m, |f| f.impact.map(|i| i.cross_m / 1e3))),
+        Column::of("Corridor used", "%", 3, |m| flight(m, |f| 100.0 * f.corridor_used)),
+        Column::of("Corridor left at", "s", 4, |m| if_ever(m, |f| f.corridor_left_s)),
+        Column::of("Control lost at", "s", 4, |m| if_ever(m, |f| f.control_lost_s)),
+    ];
+    let tracks: Vec<(&str, [Vec<f64>; 2])> = shown(results)
+        .into_iter()
+        .map(|mode| {
+            let track = |of: fn(&GroundPoint) -> f64| {
+                mode.history.iter().map(|s| s.impact.as_ref().map_or(f64::NAN, of)).collect()
+            };
+            (mode.name.as_str(), [track(|i| i.downrange_m), track(|i| i.cross_m)])
+        })
+        .collect();
+    let safety = &results.range_safety;
+    out.section("Range safety")
+        .words(format!(
+            "The corridor of the impact point: {:.1} km either side at the launch point, opening by {}° a side, closed {:.1} km behind it; control is lost where the nose is {}° from its command. Design case; starboard positive.",
+            safety.half_width_m / 1e3,
+            safety.opening_deg,
+            safety.behind_m / 1e3,
+            safety.control_lost_deg
+        ))
+        .figure(Figure::new("impact", IMPACT_CAPTION, line_chart(&impact_chart(&tracks, safety))))
+        .table(
+            "range_safety",
+            "Lateral trajectory at burn-out, and the impact point of every mode; 100 % of its corridor is the edge.",
+            Table::of(&columns, &results.modes),
+        );
 }
 
 /// The fuel sentence (objective v).
@@ -116,7 +171,7 @@ fn mode_table(results: &LongPeriodResults) -> Table {
     fn departure(row: &Row<'_>, of: fn(&Departure) -> f64) -> Cell {
         row.1.departure(&row.0.design).as_ref().map(of).into()
     }
-    let columns: [Column<Row<'_>>; 10] = [
+    let columns: [Column<Row<'_>>; 11] = [
         Column::new("Mode", "", |r| r.0.name.as_str().into()),
         Column::of("ΔV", "%", 3, |r| departure(r, |d| 100.0 * d.speed_fraction)),
         Column::of("Δγ", "°", 3, |r| departure(r, |d| d.path_angle_deg)),
@@ -128,6 +183,7 @@ fn mode_table(results: &LongPeriodResults) -> Table {
             let flight = r.0.design.ended.as_ref().ok();
             flight.map(|f| 100.0 * f.max_q_alpha.value / r.1.accept.q_alpha_padeg).into()
         }),
+        Column::new("Total", "kPa·°", |r| flight(r, |f| f.max_total_q_alpha.value / 1e3)),
         Column::of("Max roll", "°", 3, |r| flight(r, |f| f.max_roll_rad.to_degrees())),
         Column::of("Injectant", "kg", 3, |r| flight(r, |f| f.injectant_kg)),
     ];
@@ -163,7 +219,7 @@ fn flight_table(results: &LongPeriodResults) -> Table {
     fn flight(row: &Row<'_>, of: fn(&FlightSummary) -> f64) -> Cell {
         row.1.ended.as_ref().ok().map(of).into()
     }
-    let columns: [Column<Row<'_>>; 18] = [
+    let columns: [Column<Row<'_>>; 22] = [
         Column::new("Mode", "", |r| r.0.name.as_str().into()),
         Column::new("Wind", "", |r| r.1.wind.words().into()),
         Column::of("Misalignment in pitch", "3σ", 2, |r: &Row<'_>| r.1.misalignment[0].into()),
@@ -172,9 +228,15 @@ fn flight_table(results: &LongPeriodResults) -> Table {
         Column::new("Path angle", "deg", |r| flight(r, |f| f.end.path_angle_rad.to_degrees())),
         Column::new("Altitude", "m", |r| flight(r, |f| f.end.altitude_m)),
         Column::new("Range", "m", |r| flight(r, |f| f.range_m)),
+        Column::of("Cross-range", "m", 4, |r| flight(r, |f| f.cross_range_m)),
+        Column::of("Azimuth off by", "deg", 3, |r| {
+            flight(r, |f| f.end.azimuth_departure_rad().to_degrees())
+        }),
+        Column::of("Corridor used", "%", 3, |r| flight(r, |f| 100.0 * f.corridor_used)),
         Column::new("Max Qα", "Pa deg", |r| flight(r, |f| f.max_q_alpha.value)),
         Column::new("Max Qα at", "s", |r| flight(r, |f| f.max_q_alpha.time_s)),
         Column::new("Max Qα at Mach", "", |r| flight(r, |f| f.max_q_alpha.mach)),
+        Column::new("Max total Qα", "Pa deg", |r| flight(r, |f| f.max_total_q_alpha.value)),
         Column::new("Max Q", "Pa", |r| flight(r, |f| f.max_dynamic_pressure.value)),
         Column::new("Max roll", "deg", |r| flight(r, |f| f.max_roll_rad.to_degrees())),
         Column::new("TVC impulse in pitch", "N s", |r| flight(r, |f| f.tvc_pitch_impulse_ns)),
@@ -202,8 +264,9 @@ struct Variable {
     of: fn(&FlightSample) -> f64,
 }
 
-/// The paper's ten variables; pitch and roll are the two of its (ix).
-const VARIABLES: [Variable; 11] = [
+/// The paper's ten variables, pitch and roll being the two of its (ix); the load with the yaw
+/// incidence, and the way across.
+const VARIABLES: [Variable; 13] = [
     variable(["velocity_m_s", "m/s"], ["velocity", "Inertial velocity", "m/s"], |s| {
         s.trajectory.speed_mps
     }),
@@ -230,6 +293,14 @@ const VARIABLES: [Variable; 11] = [
         [Q_ALPHA.anchor(), "Load indicator Qα", "kPa·°"],
         |s| s.q_alpha_padeg() / 1e3,
     ),
+    variable(
+        ["q_alpha_total_kpa_deg", "kPa deg"],
+        ["q-alpha-total", "Load with the yaw incidence, Q√(α² + α_y²)", "kPa·°"],
+        |s| s.total_q_alpha_padeg() / 1e3,
+    ),
+    variable(["cross_range_m", "m"], ["cross-range", "Distance from the launch plane", "m"], |s| {
+        s.trajectory.cross_m
+    }),
     variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |s| s.angle_rad[0].to_degrees()),
     variable(["phi_deg", "deg"], ["roll", "Roll angle", "°"], |s| s.angle_rad[2].to_degrees()),
     variable(["tvc_pitch_force_kn", "kN"], ["tvc", "TVC force, pitch loop", "kN"], |s| {
@@ -245,7 +316,7 @@ const fn variable(
     Variable { column, anchor, label, unit, of }
 }
 
-/// The ten variables of every mode, columns named by mode and variable.
+/// The variables of every mode, columns named by mode and variable.
 fn curves(results: &LongPeriodResults, step: Tick) -> Curves {
     let flights = std::iter::once(("undisturbed", &results.nominal_history))
         .chain(results.modes.iter().map(|m| (m.name.as_str(), &m.history)));
@@ -262,15 +333,20 @@ fn curves(results: &LongPeriodResults, step: Tick) -> Curves {
     curves
 }
 
-/// The ten variables of the modes that were flown (after the paper's figure 6). Of more than a
-/// chart can carry, the single variants go first.
-fn variables(results: &LongPeriodResults, out: &mut Outcome) {
+/// The modes whose curves are drawn. Of more than a chart can carry, the single variants go first.
+fn shown(results: &LongPeriodResults) -> Vec<&ModeResult> {
     let mut shown: Vec<&ModeResult> =
         results.modes.iter().filter(|m| !m.history.is_empty()).collect();
     if shown.len() > MOST_CURVES {
         shown.retain(|m| !m.text.contains("alone"));
         shown.truncate(MOST_CURVES);
     }
+    shown
+}
+
+/// The variables of the modes that were flown (after the paper's figure 6).
+fn variables(results: &LongPeriodResults, out: &mut Outcome) {
+    let shown = shown(results);
     let limit = results.accept.q_alpha_padeg / 1e3;
     let figure = |v: &Variable| {
         let curve = |mode: &&ModeResult| {

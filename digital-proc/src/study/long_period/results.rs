@@ -1,9 +1,11 @@
 //! What a long-period study comes to: a row a mode, with all its flights.
 
 use vehicle::{
-    ScheduleData, Vehicle,
+    RangeSafety, ScheduleData, Vehicle,
     flight_mode::{FlightScript, Schedule},
     flight_summary::{FlightSample, FlightSummary},
+    table::TableError,
+    wind::Wind,
 };
 
 /// Wind of a flight.
@@ -25,6 +27,18 @@ pub enum FlightWind {
 pub const STRONG: f64 = 1.6;
 
 impl FlightWind {
+    /// The wind itself.
+    pub(super) fn of(self, vehicle: &Vehicle) -> Result<Wind, TableError> {
+        let factor = match self {
+            FlightWind::Calm => return Ok(Wind::Calm),
+            FlightWind::DesignCase => 1.0,
+            FlightWind::Reversed => -1.0,
+            FlightWind::Strong => STRONG,
+        };
+        let sign = factor * vehicle.data().long_period_case.wind_sign;
+        Wind::signed(vehicle, sign, sign)
+    }
+
     pub(super) fn words(self) -> &'static str {
         match self {
             FlightWind::Calm => "calm",
@@ -199,6 +213,8 @@ pub struct LongPeriodResults {
     pub reduced: ScheduleData,
     /// Side-force fluid carried, kg.
     pub carried_kg: f64,
+    /// Where the vehicle may come down.
+    pub range_safety: RangeSafety,
 }
 
 impl LongPeriodResults {

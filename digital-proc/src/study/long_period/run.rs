@@ -6,7 +6,7 @@
 //! that their peaks compare. A flight that diverges is recorded as lost and the
 //! next one starts afresh; a fault of the link or of a file ends the study.
 
-use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult, STRONG};
+use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult};
 use crate::{
     flight::{
         AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, Timing, channels::Sampled,
@@ -29,9 +29,8 @@ use interface::{
 use vehicle::{
     Vehicle,
     flight_mode::{FlightScript, Schedule},
-    flight_summary::FlightSample,
+    flight_summary::{FlightSample, FlightSummary},
     reference::FlightCase,
-    wind::{SyntheticWind, Wind},
 };
 
 /// Misalignments of the shipped envelope, fractions of 3σ, flown beside the
@@ -107,19 +106,34 @@ pub fn run(
 ) -> Result<LongPeriodResults, StudyFault> {
     let case = &vehicle.data().long_period_case;
     let design = [case.misalign_pitch, case.misalign_yaw];
-    let sound = FlightScript::sound();
-    let mut flights: Vec<Flight<'_>> = vec![(&sound, FlightWind::Calm, [0.0, 0.0])];
+    let mut flights = vec![(FlightScript::sound(), FlightWind::Calm, [0.0, 0.0])];
     let scripts: Vec<FlightScript> = plan.scripts().collect();
     for script in &scripts {
-        flights.push((script, FlightWind::DesignCase, design));
-        let envelope = plan.envelope.iter();
-        flights.extend(envelope.map(|&pitch| (script, FlightWind::DesignCase, [pitch, design[1]])));
+        let mut add = |wind, misalignment| flights.push((script.clone(), wind, misalignment));
+        add(FlightWind::DesignCase, design);
+        for &pitch in &plan.envelope {
+            add(FlightWind::DesignCase, [pitch, design[1]]);
+        }
         if plan.reversed {
-            flights.push((script, FlightWind::Reversed, design));
-            flights.push((script, FlightWind::Strong, design));
+            add(FlightWind::Reversed, design);
+            add(FlightWind::Strong, design);
         }
     }
-    let mut flown = fly_all(console, vehicle, plan, &flights, progress)?.into_iter();
+    let case = |(script, wind, misalignment): &(FlightScript, FlightWind, [f64; 2])| {
+        Ok(FlightCase {
+            script: script.clone(),
+            failure_start_s: 0.0,
+            wind: wind.of(vehicle)?,
+            pitch_misalignment: misalignment[0],
+            yaw_misalignment: misalignment[1],
+        })
+    };
+    let cases = flights.iter().map(case).collect::<Result<Vec<_>, StudyFault>>()?;
+    let answers = fly_all(console, vehicle, plan, (&cases, true), progress)?;
+    let mut flown = flights.into_iter().zip(answers).map(|(flight, (ended, history))| {
+        let (_, wind, misalignment) = flight;
+        (Flown { wind, misalignment, ended }, history)
+    });
     let mut next = || flown.next().ok_or(StudyFault::LostFlight);
     let (undisturbed, nominal_history) = next()?;
     let nominal = undisturbed.ended.map_err(StudyFault::NominalLost)?;
@@ -149,35 +163,34 @@ pub fn run(
         designed: data.gains.schedule(),
         reduced: data.gains_reduced.clone(),
         carried_kg: data.tvc.fluid_kg,
+        range_safety: data.range_safety.clone(),
     })
 }
 
-/// Script, wind and misalignments of a flight.
-type Flight<'a> = (&'a FlightScript, FlightWind, [f64; 2]);
-/// What it came to, and its history.
-type Answer = (Flown, Vec<FlightSample>);
+/// What a flight came to, or why it was lost, and its history.
+pub type Answer = (Result<FlightSummary, String>, Vec<FlightSample>);
 
 /// Flies side by side where more machines can be started, or else one after another; each has the
-/// bits of a flight alone.
-fn fly_all(
+/// bits of a flight alone. Histories are kept if `history` is set.
+pub fn fly_all(
     console: &mut Console<'_>,
     vehicle: &Vehicle,
     plan: &LongPeriodPlan,
-    flights: &[Flight<'_>],
+    (cases, history): (&[FlightCase], bool),
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<Answer>, StudyFault> {
     // Here too, so that the console knows the patch.
     let stage = Stage::load_patch(console, vehicle, &plan.profile, plan.patch.clone())?;
     let Some(fellow) = console.fellow() else {
         let mut bench = Bench::new(vehicle, plan, stage)?;
-        let mut answers = Vec::with_capacity(flights.len());
-        for (script, wind, misalignment) in flights {
-            answers.push(bench.fly(console, vehicle, script, *wind, *misalignment)?);
+        let mut answers = Vec::with_capacity(cases.len());
+        for case in cases {
+            answers.push(bench.fly(console, vehicle, case, history)?);
             progress(answers.len());
         }
         return Ok(answers);
     };
-    let mut answers: Vec<Option<Answer>> = vec![None; flights.len()];
+    let mut answers: Vec<Option<Answer>> = vec![None; cases.len()];
     let worker = |jobs: Jobs<'_, Result<Answer, StudyFault>>| {
         let _kept = fellow.is_pair().then(|| processor::share(jobs.worker));
         let work = || {
@@ -187,8 +200,7 @@ fn fly_all(
             let stage = Stage::load_patch(&mut console, vehicle, &plan.profile, patch)?;
             let mut bench = Bench::new(vehicle, plan, stage)?;
             while let Some(i) = jobs.next() {
-                let (script, wind, misalignment) = flights[i];
-                jobs.done(i, bench.fly(&mut console, vehicle, script, wind, misalignment));
+                jobs.done(i, bench.fly(&mut console, vehicle, &cases[i], history));
             }
             Ok(console.bye()?)
         };
@@ -197,7 +209,7 @@ fn fly_all(
         }
     };
     let mut done = 0;
-    side_by_side(flights.len(), worker, |answer| {
+    side_by_side(cases.len(), worker, |answer| {
         if let Some((i, answer)) = answer {
             answers[i] = Some(answer?);
             done += 1;
@@ -214,9 +226,6 @@ pub struct Bench<'a> {
     stage: Stage,
     stop: Tick,
     latency: Tick,
-    design_wind: Wind,
-    reversed_wind: Wind,
-    strong_wind: Wind,
 }
 
 impl<'a> Bench<'a> {
@@ -226,12 +235,7 @@ impl<'a> Bench<'a> {
         plan: &'a LongPeriodPlan,
         stage: Stage,
     ) -> Result<Bench<'a>, StudyFault> {
-        let data = vehicle.data();
-        let burn_time_s = data.mass.burn_time_s;
-        let scaled = |factor: f64| {
-            let sign = factor * data.long_period_case.wind_sign;
-            SyntheticWind::new(&data.wind, sign).map(Wind::Synthetic)
-        };
+        let burn_time_s = vehicle.data().mass.burn_time_s;
         let fast = plan.slow.fast_period(plan.step).unwrap_or(plan.step);
         Ok(Bench {
             plan,
@@ -240,14 +244,11 @@ impl<'a> Bench<'a> {
             latency: plan
                 .latency
                 .unwrap_or_else(|| plan.profile.latency_within(Sampled::COUNT, fast).0),
-            design_wind: Wind::design_case(vehicle)?,
-            reversed_wind: scaled(-1.0)?,
-            strong_wind: scaled(STRONG)?,
         })
     }
 
-    /// One flight to burn-out and its history. `vehicle` is the one that was
-    /// loaded, or a variant of it with the same wind and burn time.
+    /// One flight to burn-out, and its history if that is wanted. `vehicle` is the one that was
+    /// loaded, or a variant of it with the same burn time.
     ///
     /// # Errors
     /// [`StudyFault`]: the machine; a flight that diverges is lost, not an error.
@@ -255,23 +256,11 @@ impl<'a> Bench<'a> {
         &mut self,
         console: &mut Console<'_>,
         vehicle: &Vehicle,
-        script: &FlightScript,
-        wind: FlightWind,
-        misalignment: [f64; 2],
-    ) -> Result<(Flown, Vec<FlightSample>), StudyFault> {
+        case: &FlightCase,
+        keep: bool,
+    ) -> Result<Answer, StudyFault> {
         let plan = FlightPlan {
-            case: FlightCase {
-                script: script.clone(),
-                failure_start_s: 0.0,
-                wind: match wind {
-                    FlightWind::Calm => Wind::Calm,
-                    FlightWind::DesignCase => self.design_wind.clone(),
-                    FlightWind::Reversed => self.reversed_wind.clone(),
-                    FlightWind::Strong => self.strong_wind.clone(),
-                },
-                pitch_misalignment: misalignment[0],
-                yaw_misalignment: misalignment[1],
-            },
+            case: case.clone(),
             step: self.plan.step,
             slow: self.plan.slow,
             latency: self.latency,
@@ -288,20 +277,18 @@ impl<'a> Bench<'a> {
             &plan,
             Timing::LockStep,
             &mut |frame: &Samples, result: &FrameResult| {
-                if slow.due(frame.frame) {
+                if keep && slow.due(frame.frame) {
                     history.push(result.sample);
                 }
             },
         );
-        let ended = match flown {
-            Ok(summary) => Ok(summary),
+        match flown {
+            Ok(summary) => Ok((Ok(summary), history)),
             Err(
                 fault @ (FlightFault::Trajectory(_)
                 | FlightFault::Console(ConsoleFault::RunFault { .. })),
-            ) => Err(fault.to_string()),
-            Err(fault) => return Err(fault.into()),
-        };
-        let flown = Flown { wind, misalignment, ended };
-        Ok((flown, history))
+            ) => Ok((Err(fault.to_string()), history)),
+            Err(fault) => Err(fault.into()),
+        }
     }
 }

@@ -109,7 +109,7 @@ plane! { p, of;
     tip_bandwidth ["tip_bandwidth"] 1.0 / p.ftc_time_constant_s;
     /// M_d/I, rad/s².
     misalignment ["plane.misalignment"] of.misalignment * p.misalignment_moment_nm / p.inertia_kgm2;
-    /// Gust incidence, rad.
+    /// Gust incidence in pitch, rad: of a horizontal gust, what is normal to the velocity.
     gust ["plane.gust"] of.gust * p.gust_mps * libm::sin(p.gamma_rad) / p.speed_mps;
 }
 
@@ -171,6 +171,8 @@ impl Settings {
         dedicated: bool,
     ) -> Settings {
         let mut plane = Plane::new(point, disturbance);
+        // A lateral gust is normal to the velocity however steep the path: no factor sin γ.
+        plane.gust = disturbance.gust * point.gust_mps / point.speed_mps;
         if dedicated {
             (plane.dead_zone, plane.dead_zone_yield) = (0.0, 0.0);
             plane.tvc_gain *= point.dedicated_gain_factor;

@@ -40,8 +40,8 @@
 //! * I_xx φ̈ = L_p φ̇ + M_r
 //! * α = θ + Γ − γ_air, α_y = ψ + crosswind angle (yaw drift is not integrated)
 //!
-//! Control force in the pitch plane, for the trajectory:
-//! * F_c = (Y_p + F_p) c − (Y_y + F_y) s
+//! Control forces in the planes of θ and ψ, for the trajectory:
+//! * F_c = (Y_p + F_p) c − (Y_y + F_y) s, and (Y_p + F_p) s + (Y_y + F_y) c in yaw
 //!
 //! Departs from the paper, eq. (2): products of rates (I_zz − I_yy) qr and the
 //! like are left out; they vanish in pitch and yaw for small p and in roll
@@ -50,6 +50,7 @@
 use crate::Vehicle;
 use crate::airframe::AirframeCoefficients;
 use crate::flight_mode::ControlSettings;
+use crate::trajectory::Attitude;
 
 pub const STATE_LEN: usize = 19;
 
@@ -142,11 +143,16 @@ fn tip_forces_n(state: &AttitudeState, inputs: &AttitudeInputs) -> [f64; 2] {
     ]
 }
 
-/// F_c, N: the control force in the pitch plane.
-pub fn pitch_plane_force_n(state: &AttitudeState, inputs: &AttitudeInputs) -> f64 {
+/// The attitude as the translation takes it.
+pub fn for_translation(state: &AttitudeState, inputs: &AttitudeInputs) -> Attitude {
     let (s, c) = libm::sincos(state.angle_rad[2]);
-    let [tip_p, tip_y] = tip_forces_n(state, inputs);
-    (tip_p + state.tvc_n[0]) * c - (tip_y + state.tvc_n[1]) * s
+    let tips = tip_forces_n(state, inputs);
+    let [body_p, body_y] = std::array::from_fn(|i| tips[i] + state.tvc_n[i]);
+    Attitude {
+        pitch_rad: state.angle_rad[0],
+        yaw_rad: state.angle_rad[1],
+        control_force_n: [body_p * c - body_y * s, body_p * s + body_y * c],
+    }
 }
 
 pub fn derivative(

@@ -54,7 +54,7 @@ fn the_partition_error_is_first_order_and_halved_by_extrapolation() {
     let vehicle = Vehicle::shipped().unwrap();
     let case = FlightCase::undisturbed();
     let exact = fly(&vehicle, &case, RATE, |_| {}).unwrap().end.to_array();
-    let error = |steps: u32, stages: StagePitch| -> [f64; 4] {
+    let error = |steps: u32, stages: StagePitch| -> [f64; 6] {
         let flight = fly_partitioned(&vehicle, &case, RATE, steps, stages, |_| {}).unwrap();
         let end = flight.end.to_array();
         std::array::from_fn(|i| end[i] - exact[i])
@@ -112,4 +112,27 @@ fn an_uncontrolled_vehicle_ends_in_numbers_or_an_error_not_a_panic() {
         Ok(flight) => assert!(flight.end.to_array().iter().all(|v| v.is_finite())),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
+}
+
+/// Without fin cant, nothing tells starboard from port.
+#[test]
+fn a_mirrored_disturbance_gives_the_mirrored_flight() {
+    let mut data = Vehicle::shipped().unwrap().data().clone();
+    data.aero.fin_cant_deg = 0.0;
+    let fly_from = |side: f64| {
+        let mut data = data.clone();
+        data.wind.cross_fraction *= side;
+        let vehicle = Vehicle::from_data(data).unwrap();
+        let mut case = FlightCase::design(&vehicle, FlightMode::RollLost.script()).unwrap();
+        case.yaw_misalignment *= side;
+        fly(&vehicle, &case, RATE, |_| {}).unwrap()
+    };
+    let (port, starboard) = (fly_from(1.0), fly_from(-1.0));
+    // Negating is exact, and so is the mirror.
+    assert_eq!(port.end.cross_m, -starboard.end.cross_m);
+    assert_eq!(port.end.cross_speed_mps, -starboard.end.cross_speed_mps);
+    assert_eq!(port.end.speed_mps, starboard.end.speed_mps);
+    assert_eq!(port.max_total_q_alpha, starboard.max_total_q_alpha);
+    // A headwind's share across blows to port and carries the vehicle there.
+    assert!(port.end.cross_m < -100.0 && port.end.azimuth_departure_rad() < 0.0, "{:?}", port.end);
 }
