@@ -78,8 +78,6 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 Column::new("Test", "", |r: &Run| r.case.test.words().into()),
                 Column::new("Overshoot", "%", |r| percent(r.measures.overshoot)),
                 Column::new("Settling", "s", |r| r.measures.settling_s.into()),
-                Column::new("Peak θ", "of the step", |r| r.measures.peak.into()),
-                Column::new("Standing error", "deg", |r| degrees(r.measures.standing_error_rad)),
                 Column::new("Residual", "%", |r| percent(r.measures.residual)),
                 Column::new("η by 6.5 s", "%", |r| percent(r.measures.bending_ratio(1))),
                 Column::new("η by 9.5 s", "%", |r| percent(r.measures.bending_ratio(2))),
@@ -95,6 +93,8 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 Column::new("ζ, bending", "", |r| {
                     r.measures.roots.bending.map(|r| r.damping()).into()
                 }),
+                Column::new("Peak θ", "of the step", |r| r.measures.peak.into()),
+                Column::new("Standing error", "deg", |r| degrees(r.measures.standing_error_rad)),
             ]);
             let caption = format!(
                 "Measures of each pitch run. Settling is to {:.0} % of the step about the final value; the residual is the peak-to-peak attitude from 5 to 10 s without its parabolic trend; η is the bending envelope over that of the first 2 s. Eigenvalues are those of the loop with both channels linear.",
