@@ -4,5 +4,6 @@ pub mod case_study;
 pub mod fault;
 pub mod gain_design;
 pub mod long_period;
+pub mod profile_cost;
 pub mod sensitivity;
 pub mod short_period;

@@ -75,7 +75,8 @@ impl ShortPeriod {
 
 impl Runs {
     fn execute(&self, context: &Context, command: &str, tests: &[Test]) -> Result<(), Failure> {
-        let (vehicle, mut study) = (self.study.vehicle()?, self.points.load()?);
+        let vehicle = self.study.vehicle()?;
+        let mut study = self.points.load(&vehicle)?;
         // Decoupled and undisturbed runs are there for every condition that is asked for.
         for condition in &mut study.conditions {
             condition.overshoot = true;

@@ -9,6 +9,7 @@ use super::{
         results::LongPeriodResults,
         run::{LongPeriodPlan, run as fly},
     },
+    profile_cost,
     sensitivity::{
         self,
         dispersion_file::Dispersions,
@@ -16,7 +17,7 @@ use super::{
     },
     short_period::{
         self,
-        claims::reduced_against_p1,
+        claims::{NORMAL, reduced_against_p1},
         control_loop::ControlLoop,
         machine::{self, Bench, Patches},
         plan::Plan,
@@ -28,6 +29,7 @@ use desk::{
     claim::{Claim, Verdict},
     outcome::{Figure, Outcome},
 };
+use interface::profile::Profile;
 use vehicle::Vehicle;
 
 /// What is run.
@@ -44,7 +46,26 @@ pub struct CasePlan {
 impl CasePlan {
     /// Number of runs and flights.
     pub fn runs(&self) -> usize {
-        self.short.cases.len() + self.long.flights() + self.dispersions.as_ref().map_or(0, loops)
+        let ideal = self.on_ideal().map_or(0, |(short, long)| short.cases.len() + long.flights());
+        self.short.cases.len() + self.long.flights() + sensitivity_runs(self) + ideal
+    }
+
+    /// What is run on the ideal machine too, unless this is it: the normal condition and the modes'
+    /// design cases, so that the machine's own share is seen.
+    fn on_ideal(&self) -> Option<(Plan, LongPeriodPlan)> {
+        let ideal = Profile::ideal();
+        if self.long.profile == ideal {
+            return None;
+        }
+        let mut short = self.short.clone();
+        short.cases.retain(|case| self.short.conditions[case.condition].name == NORMAL);
+        let long = LongPeriodPlan {
+            envelope: Vec::new(),
+            reversed: false,
+            profile: ideal,
+            ..self.long.clone()
+        };
+        Some((short, long))
     }
 }
 
@@ -57,6 +78,8 @@ pub struct CaseResults {
     pub long: LongPeriodResults,
     /// Sensitivities, point by point.
     pub sensitivity: Vec<PointSensitivity>,
+    /// What of them was run on the ideal machine too, unless this is it.
+    pub ideal: Option<(Results, LongPeriodResults)>,
     /// SHA-256 of each patch that ran, by its name.
     pub patches: Vec<(String, String)>,
 }
@@ -82,7 +105,24 @@ pub fn run(
         }
         None => Vec::new(),
     };
-    Ok(CaseResults { short, long, sensitivity, patches })
+    let done = done + sensitivity_runs(plan);
+    let ideal = match plan.on_ideal() {
+        Some((cases, flights)) => {
+            let patches = Patches::shipped();
+            let runs = machine::run(console, &cases, &patches, &flights.profile, |runs| {
+                progress(done + runs);
+            })?;
+            let done = done + runs.runs.len();
+            let flown = fly(console, vehicle, &flights, |flights| progress(done + flights))?;
+            Some((runs, flown))
+        }
+        None => None,
+    };
+    Ok(CaseResults { short, long, sensitivity, ideal, patches })
+}
+
+fn sensitivity_runs(plan: &CasePlan) -> usize {
+    plan.dispersions.as_ref().map_or(0, loops)
 }
 
 impl CaseResults {
@@ -108,6 +148,18 @@ impl CaseResults {
         long_period::outcome::fill(&self.long, plan.long.step, &mut out);
         if let Some(dispersions) = &plan.dispersions {
             sensitivity::outcome::fill(&self.sensitivity, dispersions, &mut out);
+        }
+        if let Some((short, long)) = &self.ideal {
+            out.section("What the machine costs")
+                .aside(format!(
+                    "The same study on the ideal machine, beside the profile `{}`: {} What its components, converters and latency do to each measure of the normal condition and of the modes' design cases is shown where it is most.",
+                    plan.long.profile.name, plan.long.profile.note
+                ))
+                .table(
+                    "profile_cost",
+                    "Measures on this machine and on the ideal one, each at the run or mode where they differ most.",
+                    profile_cost::table((&self.short, &self.long), (short, long)),
+                );
         }
         out.claims_on_terminal();
         re_evaluated(&mut out.claims, reduced_against_p1(&self.short));

@@ -12,6 +12,7 @@ pub mod agreement;
 pub mod claims;
 pub mod coefficients;
 pub mod control_loop;
+pub mod inexact;
 pub mod linear;
 pub mod machine;
 pub mod measure;

@@ -43,6 +43,11 @@ macro_rules! plane {
                 Plane { $($field: $value,)* }
             }
 
+            /// Every coefficient with the blocks that hold it.
+            pub(super) fn each(&mut self) -> Vec<(&'static [&'static str], &mut f64)> {
+                vec![$((&[$($block),*][..], &mut self.$field)),*]
+            }
+
             fn values(&self) -> Vec<(&'static str, f64)> {
                 vec![$($(($block, self.$field),)*)*]
             }

@@ -108,14 +108,31 @@ pub fn step_response(
     sample_s: f64,
     samples: usize,
 ) -> Vec<[f64; 2]> {
-    const THETA: usize = 1;
+    driven_response(&driven_matrix(plane, gains), command_rad, sample_s, samples)
+}
+
+/// The state matrix with the command's column appended; shape `[10][11]`.
+pub fn driven_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 11> {
     const TVC: usize = 4;
-    const ETA: usize = 7;
     const FILTERED: usize = 9;
+    let mut driven = SMatrix::<f64, 10, 11>::zeros();
+    driven.fixed_view_mut::<10, 10>(0, 0).copy_from(&plane_matrix(plane, gains));
+    driven[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
+    driven[(FILTERED, 10)] = plane.filter_pole;
+    driven
+}
+
+/// [`step_response`] of such a matrix.
+pub fn driven_response(
+    driven: &SMatrix<f64, 10, 11>,
+    command_rad: f64,
+    sample_s: f64,
+    samples: usize,
+) -> Vec<[f64; 2]> {
+    const THETA: usize = 1;
+    const ETA: usize = 7;
     let mut augmented = DMatrix::zeros(11, 11);
-    augmented.view_mut((0, 0), (10, 10)).copy_from(&plane_matrix(plane, gains));
-    augmented[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
-    augmented[(FILTERED, 10)] = plane.filter_pole;
+    augmented.view_mut((0, 0), (10, 11)).copy_from(driven);
     let advance = matrix_exp(&(augmented * sample_s));
     let mut state = DVector::zeros(11);
     state[10] = command_rad;
@@ -162,8 +179,12 @@ pub struct PlaneRoots {
 
 /// Picks the attitude and bending roots.
 pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
-    let all = roots(&plane_matrix(plane, gains));
-    let bending_frequency = plane.bending_spring.sqrt();
+    matrix_roots(&plane_matrix(plane, gains), plane.bending_spring.sqrt())
+}
+
+/// [`plane_roots`] of a plane's matrix by the mode's own frequency, rad/s.
+pub fn matrix_roots(matrix: &SMatrix<f64, 10, 10>, bending_frequency: f64) -> PlaneRoots {
+    let all = roots(matrix);
     let pairs = || all.iter().copied().filter(|r| r.imaginary > 0.0);
     // The drift root is slow; a pair below 0.5 rad/s is drift, not attitude.
     const DRIFT_RADPS: f64 = 0.5;

@@ -2,7 +2,7 @@
 //! the responses drawn.
 
 use super::{
-    agreement::Compared,
+    agreement::{Agreement, Compared},
     control_loop::{Channel, ControlLoop, Response},
     linear::{ChannelGains, Root},
     measure::{LARGE_YAW_BAND, PITCH_BAND, ROLL_BAND_DEG, YAW_BAND},
@@ -53,6 +53,8 @@ pub(super) fn remarks(results: &Results, out: &mut Outcome) {
     if disagree > 0 {
         out.refused.push(format!("{disagree} linear runs do not agree with their eigenvalues"));
     }
+    let left_out = results.plan.left_out.iter();
+    out.remarks.extend(left_out.map(|why| format!("left out on this vehicle: {why}")));
     out.remarks.extend(results.remarks());
 }
 
@@ -76,8 +78,6 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 Column::new("Test", "", |r: &Run| r.case.test.words().into()),
                 Column::new("Overshoot", "%", |r| percent(r.measures.overshoot)),
                 Column::new("Settling", "s", |r| r.measures.settling_s.into()),
-                Column::new("Peak θ", "of the step", |r| r.measures.peak.into()),
-                Column::new("Standing error", "deg", |r| degrees(r.measures.standing_error_rad)),
                 Column::new("Residual", "%", |r| percent(r.measures.residual)),
                 Column::new("η by 6.5 s", "%", |r| percent(r.measures.bending_ratio(1))),
                 Column::new("η by 9.5 s", "%", |r| percent(r.measures.bending_ratio(2))),
@@ -93,6 +93,8 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 Column::new("ζ, bending", "", |r| {
                     r.measures.roots.bending.map(|r| r.damping()).into()
                 }),
+                Column::new("Peak θ", "of the step", |r| r.measures.peak.into()),
+                Column::new("Standing error", "deg", |r| degrees(r.measures.standing_error_rad)),
             ]);
             let caption = format!(
                 "Measures of each pitch run. Settling is to {:.0} % of the step about the final value; the residual is the peak-to-peak attitude from 5 to 10 s without its parabolic trend; η is the bending envelope over that of the first 2 s. Eigenvalues are those of the loop with both channels linear.",
@@ -146,7 +148,7 @@ pub(super) fn agreement(results: &Results, out: &mut Outcome) {
         );
         return;
     }
-    let columns: [Column<Run>; 8] = [
+    let columns: [Column<Run>; 10] = [
         Column::new("Run", "", |r| r.name.as_str().into()),
         Column::new("Linear range", "", |r| r.linear.map_or("", |a| range(a.gains)).into()),
         Column::of("Attitude differs by", "% of the step", 2, |r| {
@@ -159,13 +161,20 @@ pub(super) fn agreement(results: &Results, out: &mut Outcome) {
         Column::new("ω, measured", "rad/s", |r| decay(r).map(|d| d.0.frequency_radps).into()),
         Column::of("ζ, eigenvalue", "", 3, |r| decay(r).map(|d| d.1.damping()).into()),
         Column::of("ζ, measured", "", 3, |r| decay(r).map(|d| d.0.damping).into()),
+        Column::of("Allowed", "% of the step; of ω", 2, |r| {
+            percent(r.linear.map(|a| a.within[0]))
+        }),
+        Column::of("Allowed for ζ", "%", 2, |r| match r.linear {
+            Some(Agreement { compared: Compared::Decay { .. }, within, .. }) => percent(Some(within[1])),
+            _ => Cell::Missing,
+        }),
         Column::new("Agrees", "", |r| {
             if r.linear.is_some_and(|a| a.agrees()) { "yes" } else { "NO" }.into()
         }),
     ];
     section.table(
         "linear_agreement",
-        "Undisturbed pitch runs that stay linear. Where every channel keeps to one range from the start, the whole response is held against the matrix exponential; where it does so from 4 s on, the decay of the bending coordinate is held against its eigenvalue.",
+        "Undisturbed pitch runs that stay linear. Where every channel keeps to one range from the start, the whole response is held against the matrix exponential; where it does so from 4 s on, the decay of the bending coordinate is held against its eigenvalue. Allowed is what integration and measuring leave and, to first order, what the errors of the machine's components and converters may do, all in the worst direction.",
         Table::of(&columns, results.runs.iter().filter(|r| r.linear.is_some())),
     );
 }

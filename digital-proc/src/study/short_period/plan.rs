@@ -34,6 +34,8 @@ pub struct Plan {
     pub points: Vec<PlannedPoint>,
     /// The conditions in the study's order.
     pub conditions: Vec<Condition>,
+    /// Points left out, and why.
+    pub left_out: Vec<String>,
     /// The runs, those of the pitch loop first.
     pub cases: Vec<Case>,
 }
@@ -88,6 +90,7 @@ impl Plan {
             yaw_rad: study.yaw_roll.yaw_deg.to_radians().abs(),
             points: slices.into_iter().map(named).collect(),
             conditions: study.conditions.clone(),
+            left_out: study.left_out.clone(),
             cases: Vec::new(),
         };
         plan.list_runs(study, vehicle);

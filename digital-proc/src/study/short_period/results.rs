@@ -4,6 +4,7 @@
 
 use super::agreement::Agreement;
 use super::control_loop::{ControlLoop, Response, Test};
+use super::inexact::Inexact;
 use super::measure::Measures;
 use super::plan::{Case, Plan};
 use interface::Tick;
@@ -50,7 +51,13 @@ pub struct Run {
 
 impl Run {
     /// Measures an answer.
-    pub fn new(plan: &Plan, case: &Case, response: Response, seen: Vec<Occurrence>) -> Run {
+    pub fn new(
+        plan: &Plan,
+        case: &Case,
+        response: Response,
+        seen: Vec<Occurrence>,
+        inexact: &Inexact,
+    ) -> Run {
         let point = plan.points[case.point].name.clone();
         let condition = plan.conditions[case.condition].name.clone();
         Run {
@@ -59,7 +66,7 @@ impl Run {
             condition,
             case: *case,
             measures: Measures::new(plan, case, &response),
-            linear: Agreement::of(plan, case, &response),
+            linear: Agreement::of(plan, case, &response, inexact),
             response,
             seen,
         }

@@ -54,6 +54,7 @@ fn study(file: &str, text: &str) -> Result<Study, FileFaults> {
             yaw_roll: yaw_roll?,
             points: points?,
             conditions: conditions?,
+            left_out: Vec::new(),
         })
     })
 }

@@ -46,6 +46,8 @@ pub struct Study {
     pub points: Vec<PointEntry>,
     /// Operating conditions.
     pub conditions: Vec<Condition>,
+    /// Points of the shipped study that the vehicle's flight lacks, and why.
+    pub left_out: Vec<String>,
 }
 
 table! { "The pitch test." PitchTest
