@@ -194,7 +194,10 @@ fn a_users_own_study_failures_and_vehicle_run_through() {
     let pitch = summary["tables"]["pitch"].as_array().unwrap();
     let normal = pitch.iter().filter(|r| r["condition"] == "normal" && r["test"] == "disturbed");
     let points: Vec<&str> = normal.map(|r| r["point"].as_str().unwrap()).collect();
-    assert_eq!(points[3..], ["ftc-switch-in", "transonic", "gain-30.5", "max-q", "gain-42", "burn-out"]);
+    assert_eq!(
+        points[3..],
+        ["ftc-switch-in", "transonic", "gain-30.5", "max-q", "gain-42", "burn-out"]
+    );
     let claims = summary["claims"].as_array().unwrap();
     assert!(claims.iter().all(|c| c["verdict"] != "not-judged"), "{claims:#?}");
 

@@ -159,7 +159,12 @@ fn the_claims_can_fail() {
         ("no wind singles a load out", &calm, &short_plan(), &["L2"][..]),
         ("more than one mode exceeds the limit in a tailwind", &tail, &bare, &["L2"]),
         ("rate feedback of the wrong sign", &sound, &rewired(&wrong_sign), &["L1", "L3"]),
-        ("a thrust vector too weak for a vehicle without tips", &weak, &short_plan(), &["L1", "L2"]),
+        (
+            "a thrust vector too weak for a vehicle without tips",
+            &weak,
+            &short_plan(),
+            &["L1", "L2"],
+        ),
         ("a reduced schedule with hardly any gain", &slack, &short_plan(), &["L3"]),
         ("no load anywhere in the envelope", &calm, &enveloped, &["L2b"]),
         ("no dead zone", &sound, &rewired(&no_dead_zone), &["L2"]),

@@ -44,10 +44,7 @@ const OF_FLIGHTS: [OfFlight; 5] = [
 ];
 
 /// The table; `ideal` has the runs and flights of the ideal machine that are compared.
-pub fn table(
-    here: (&Results, &LongPeriodResults),
-    ideal: (&Results, &LongPeriodResults),
-) -> Table {
+pub fn table(here: (&Results, &LongPeriodResults), ideal: (&Results, &LongPeriodResults)) -> Table {
     let mut costs = Vec::new();
     for (measure, unit, of) in OF_RUNS {
         let pairs = ideal.0.runs.iter().filter_map(|run| {
@@ -77,10 +74,7 @@ pub fn table(
 }
 
 /// A name is unique within its loop.
-fn is_alike(
-    a: &super::short_period::results::Run,
-    b: &super::short_period::results::Run,
-) -> bool {
+fn is_alike(a: &super::short_period::results::Run, b: &super::short_period::results::Run) -> bool {
     a.name == b.name && a.control_loop() == b.control_loop()
 }
 

@@ -270,8 +270,8 @@ mod tests {
             let mut settings = case.settings;
             spoil(&mut settings);
             {
-            let response = reference::run(&settings, &reference::grid(&plan, 1e-3));
-            Agreement::of(&plan, case, &response, &Inexact::default())
+                let response = reference::run(&settings, &reference::grid(&plan, 1e-3));
+                Agreement::of(&plan, case, &response, &Inexact::default())
             }
         };
         plan.cases.iter().filter(|c| c.test == Test::StepOnly).filter_map(of).collect()

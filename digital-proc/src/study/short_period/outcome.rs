@@ -165,7 +165,9 @@ pub(super) fn agreement(results: &Results, out: &mut Outcome) {
             percent(r.linear.map(|a| a.within[0]))
         }),
         Column::of("Allowed for ζ", "%", 2, |r| match r.linear {
-            Some(Agreement { compared: Compared::Decay { .. }, within, .. }) => percent(Some(within[1])),
+            Some(Agreement { compared: Compared::Decay { .. }, within, .. }) => {
+                percent(Some(within[1]))
+            }
             _ => Cell::Missing,
         }),
         Column::new("Agrees", "", |r| {

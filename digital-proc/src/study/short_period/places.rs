@@ -268,7 +268,19 @@ mod tests {
         data.gains.switch_time_s[4] = 36.5;
         let study = Study::shipped_for(&Vehicle::from_data(data).unwrap()).unwrap();
         let names: Vec<&str> = study.points.iter().map(|p| p.name.as_str()).collect();
-        assert_eq!(names[4..], ["ftc-switch-in", "transonic", "gain-20", "max-q", "gain-36.5", "gain-40", "gain-45", "burn-out"]);
+        assert_eq!(
+            names[4..],
+            [
+                "ftc-switch-in",
+                "transonic",
+                "gain-20",
+                "max-q",
+                "gain-36.5",
+                "gain-40",
+                "gain-45",
+                "burn-out"
+            ]
+        );
         assert!(study.left_out.is_empty());
     }
 

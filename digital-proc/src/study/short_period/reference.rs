@@ -8,8 +8,8 @@
 //! small. It is no substitute for the machine and no study runs on it.
 
 use super::coefficients::{Plane, Settings};
-use super::inexact::Inexact;
 use super::control_loop::{ControlLoop, Response};
+use super::inexact::Inexact;
 use super::plan::Plan;
 use super::results::{Results, Run};
 
@@ -196,9 +196,8 @@ pub fn run(settings: &Settings, grid: &Grid) -> Response {
 /// Answers every run of a plan, in its order, at about `step_s` of integration step.
 pub fn answer(plan: &Plan, step_s: f64) -> Results {
     let grid = grid(plan, step_s);
-    let answered = |case| {
-        Run::new(plan, case, run(&case.settings, &grid), Vec::new(), &Inexact::default())
-    };
+    let answered =
+        |case| Run::new(plan, case, run(&case.settings, &grid), Vec::new(), &Inexact::default());
     let runs = plan.cases.iter().map(answered).collect();
     Results { plan: plan.clone(), runs, patches: Vec::new() }
 }
