@@ -132,7 +132,7 @@ impl CaseResults {
         let mut out = Outcome::new(
             "First-stage control system: the case study rerun",
             format!(
-                "Section 4 of the paper on the hybrid machine: {} pitch runs and {} yaw–roll runs at {} trajectory points, and {} flights to burn-out, all in one session.",
+                "Section 4 of the paper on the hybrid machine: {} pitch runs and {} yaw–roll runs at {} trajectory points, and {} flights to burn-out, all in one session. Each claim quotes the paper's whole sentence, says what was asked of the runs and what would falsify it, what was measured, and, where it holds only in part, where not and why; the sections below show what was run and what came out.",
                 of(ControlLoop::Pitch),
                 of(ControlLoop::YawRoll),
                 plan.short.points.len(),

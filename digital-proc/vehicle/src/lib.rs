@@ -37,9 +37,9 @@ use std::path::Path;
 
 pub use aero::{AeroCoefficients, AeroTables};
 pub use data::{
-    Aero, Bending, Component, Derived, DesignedGains, Disturbance, Ftc, Geometry, Gyro, Imu,
-    Limits, LongPeriodCase, Mass, PitchProgrammeData, RangeSafety, ScheduleData, Site, Thrust, Tvc,
-    VehicleData, WindData, WindStatistics,
+    Aero, Bending, Component, DeadZone, Derived, DesignedGains, Disturbance, Ftc, Geometry, Gyro,
+    Imu, Limits, LongPeriodCase, Mass, PitchProgrammeData, RangeSafety, ScheduleData, Site, Thrust,
+    Tvc, VehicleData, WindData, WindStatistics,
 };
 pub use mass::{MassModel, MassProperties};
 pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};

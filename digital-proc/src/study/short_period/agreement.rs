@@ -9,8 +9,9 @@
 //! compared, the linear response to a step from rest being exact there.
 //!
 //! A machine's components and converters are not exact. What their errors may do to a response is
-//! bounded to first order: every entry of the linear loop off by what the inputs on its way may be
-//! off, every coefficient by half a step of its unit, all in the worst direction at once.
+//! bounded to first order from the profile's figures: each input's coefficient lies evenly within
+//! the component error and each coefficient within half a step of its unit, independently of the
+//! others, so that three standard deviations of the whole are allowed, and half a step of a sample.
 
 use super::coefficients::Settings;
 use super::control_loop::{Response, Test};
@@ -41,6 +42,8 @@ const RATE_MET: f64 = 0.8;
 /// Inputs on the longest way from one state to another, each with a coefficient of its own: from η
 /// by pick-up, attitude error, channel error, dead zone, gain, limiter and slope to the thrust vector.
 const INPUTS_ON_THE_WAY: f64 = 8.0;
+/// Standard deviations that are allowed.
+const DEVIATIONS: f64 = 3.0;
 /// Steps of its converter that the bending coordinate must still have at the end of a decay that is
 /// measured: with fewer, rounding makes peaks of its own.
 const LEAST_STEPS: f64 = 20.0;
@@ -131,7 +134,8 @@ impl Agreement {
     }
 }
 
-/// The linear loops that the machine's errors may make of one, one error at a time.
+/// The linear loops that the machine's errors make of one, one error at a time, each of one standard
+/// deviation: a √3rd of a bound within which it lies evenly.
 fn neighbours(
     settings: &Settings,
     gains: ChannelGains,
@@ -142,7 +146,7 @@ fn neighbours(
     if inexact.component_error > 0.0 {
         for i in (0..nominal.len()).filter(|&i| nominal[i] != 0.0) {
             let mut off = nominal;
-            off[i] *= 1.0 + INPUTS_ON_THE_WAY * inexact.component_error;
+            off[i] *= 1.0 + (INPUTS_ON_THE_WAY / 3.0).sqrt() * inexact.component_error;
             all.push(off);
         }
     }
@@ -151,13 +155,13 @@ fn neighbours(
         let (blocks, value) = plane.each().swap_remove(n);
         let half_step = blocks.iter().map(|b| inexact.half_step(b)).fold(0.0, f64::max);
         if half_step > 0.0 && *value != 0.0 {
-            *value += half_step;
+            *value += half_step / 3.0_f64.sqrt();
             all.push(driven_matrix(&plane, gains));
         }
     }
     // The force of the tips is held by another block in each patch.
     let mut plane = settings.plane;
-    plane.tip_force += inexact.half_step("fin_force");
+    plane.tip_force += inexact.half_step("fin_force") / 3.0_f64.sqrt();
     if plane != settings.plane {
         all.push(driven_matrix(&plane, gains));
     }
@@ -177,14 +181,16 @@ fn response_within(
     };
     let exact = of(&driven_matrix(&settings.plane, gains));
     let greatest = exact.iter().fold(0.0_f64, |g, row| g.max(row[1].abs()));
-    let mut within = [STEP_WITHIN; 2];
+    let mut squares = [0.0; 2];
     for neighbour in neighbours(settings, gains, inexact) {
         let found = of(&neighbour);
         for (i, scale) in [step.abs(), greatest].into_iter().enumerate() {
             let pairs = found.iter().zip(&exact);
-            within[i] += pairs.fold(0.0_f64, |d, (a, b)| d.max((a[i] - b[i]).abs())) / scale;
+            let off = pairs.fold(0.0_f64, |d, (a, b)| d.max((a[i] - b[i]).abs())) / scale;
+            squares[i] += off * off;
         }
     }
+    let mut within = squares.map(|sum| STEP_WITHIN + DEVIATIONS * sum.sqrt());
     // Rounding of the samples; η is the fourth channel of the multiplexer, θ the first.
     const ETA_CHANNEL: f64 = 3.0;
     within[0] += inexact.half_step("pitch_attitude") / step.abs();
@@ -200,15 +206,21 @@ fn decay_within(
     root: Root,
     inexact: &Inexact,
 ) -> [f64; 2] {
-    let mut within = [FREQUENCY_WITHIN, DAMPING_WITHIN];
+    let mut squares = [0.0; 2];
     for neighbour in neighbours(settings, gains, inexact) {
         let matrix = neighbour.fixed_view::<10, 10>(0, 0).into_owned();
         if let Some(off) = matrix_roots(&matrix, root.frequency_radps()).bending {
-            within[0] += (off.frequency_radps() / root.frequency_radps() - 1.0).abs();
-            within[1] += (off.damping() / root.damping() - 1.0).abs();
+            let parts = [
+                off.frequency_radps() / root.frequency_radps() - 1.0,
+                off.damping() / root.damping() - 1.0,
+            ];
+            for (sum, part) in squares.iter_mut().zip(parts) {
+                *sum += part * part;
+            }
         }
     }
-    within
+    let [frequency, damping] = squares.map(|sum| DEVIATIONS * sum.sqrt());
+    [FREQUENCY_WITHIN + frequency, DAMPING_WITHIN + damping]
 }
 
 fn against_exponential(settings: &Settings, response: &Response, gains: ChannelGains) -> Compared {

@@ -176,7 +176,7 @@ pub(super) fn agreement(results: &Results, out: &mut Outcome) {
     ];
     section.table(
         "linear_agreement",
-        "Undisturbed pitch runs that stay linear. Where every channel keeps to one range from the start, the whole response is held against the matrix exponential; where it does so from 4 s on, the decay of the bending coordinate is held against its eigenvalue. Allowed is what integration and measuring leave and, to first order, what the errors of the machine's components and converters may do, all in the worst direction.",
+        "Undisturbed pitch runs that stay linear. Where every channel keeps to one range from the start, the whole response is held against the matrix exponential; where it does so from 4 s on, the decay of the bending coordinate is held against its eigenvalue. Allowed is what integration and measuring leave and three standard deviations of what the errors of the machine's components and converters do.",
         Table::of(&columns, results.runs.iter().filter(|r| r.linear.is_some())),
     );
 }
