@@ -2,14 +2,17 @@
 //!
 //! CSV: a header of `time` and net names, 17 significant digits, so that every
 //! double reads back exactly. Arrow: IPC stream of Float64 columns, complete
-//! batches readable even when the run is cut off.
+//! batches readable even when the run is cut off. A record in a file can be gone on with where it
+//! stood at a checkpoint.
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_ipc::writer::StreamWriter;
 use arrow_schema::{ArrowError, DataType, Field, Schema};
+use desk::{checkpoint::Seam, run_dir::RunDirError};
+use serde::{Deserialize, Serialize};
 use std::{
     fs::File,
-    io::{BufWriter, Write},
+    io::Write,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -44,7 +47,9 @@ enum Sink {
 }
 
 struct ArrowFile {
-    writer: StreamWriter<BufWriter<File>>,
+    file: File,
+    /// Encodes into memory; each batch is then written whole.
+    encoder: StreamWriter<Vec<u8>>,
     schema: Arc<Schema>,
     columns: Vec<Vec<f64>>,
 }
@@ -55,6 +60,14 @@ pub struct Recorder {
     sink: Sink,
 }
 
+/// Where a record stands at a checkpoint: its file, and the columns of the rows that are not in it
+/// yet.
+#[derive(Serialize, Deserialize)]
+pub struct RecordState {
+    seam: Seam,
+    columns: Vec<Vec<f64>>,
+}
+
 impl Recorder {
     /// Opens `path`: `.arrow` for an Arrow IPC stream, `-` for CSV on standard output, else CSV.
     pub fn create<'n>(
@@ -63,25 +76,58 @@ impl Recorder {
     ) -> Result<Recorder, RecordFault> {
         let fault =
             |reason: String| RecordFault { path: path.to_owned(), reason, reader_left: false };
+        let create = || File::create(path).map_err(|e| fault(e.to_string()));
         let header = std::iter::once("time").chain(names);
-        let sink = if path.extension().is_some_and(|e| e == "arrow") {
-            let file = File::create(path).map_err(|e| fault(e.to_string()))?;
-            let fields: Vec<Field> =
-                header.map(|n| Field::new(n, DataType::Float64, false)).collect();
-            let columns = vec![Vec::with_capacity(BATCH_ROWS); fields.len()];
-            let schema = Arc::new(Schema::new(fields));
-            let writer = StreamWriter::try_new(BufWriter::new(file), &schema)
-                .map_err(|e| fault(e.to_string()))?;
-            Sink::Arrow(Box::new(ArrowFile { writer, schema, columns }))
+        let sink = if is_arrow(path) {
+            let mut sink = ArrowFile::begun(create()?, header).map_err(|e| fault(e.to_string()))?;
+            sink.hand_over().map_err(|e| fault(e.to_string()))?;
+            Sink::Arrow(Box::new(sink))
         } else {
             let out: Box<dyn Write> = if path.as_os_str() == "-" {
                 Box::new(std::io::stdout().lock())
             } else {
-                Box::new(File::create(path).map_err(|e| fault(e.to_string()))?)
+                Box::new(create()?)
             };
             let mut writer = csv::Writer::from_writer(out);
             writer.write_record(header).map_err(|e| fault(e.to_string()))?;
             Sink::Csv(Box::new(writer))
+        };
+        Ok(Recorder { path: path.to_owned(), sink })
+    }
+
+    /// Where the record, in a file, stands; all rows are then on the disk or in the state.
+    pub fn state(&mut self) -> Result<RecordState, RunDirError> {
+        let failed = |cause| RunDirError::Write { path: self.path.clone(), cause };
+        let columns = match &mut self.sink {
+            Sink::Csv(writer) => {
+                writer.flush().map_err(failed)?;
+                Vec::new()
+            }
+            Sink::Arrow(file) => file.columns.clone(),
+        };
+        let file = File::open(&self.path).map_err(failed)?;
+        Ok(RecordState { seam: Seam::at_end(&file, &self.path)?, columns })
+    }
+
+    /// Goes on with a record where it stood.
+    pub fn resume<'n>(
+        path: &Path,
+        names: impl Iterator<Item = &'n str>,
+        RecordState { seam, columns }: RecordState,
+    ) -> Result<Recorder, RunDirError> {
+        let file = seam.reopen(path)?;
+        let sink = if is_arrow(path) {
+            let header = std::iter::once("time").chain(names);
+            let mut sink = ArrowFile::begun(file, header).map_err(|e| RunDirError::Write {
+                path: path.to_owned(),
+                cause: std::io::Error::other(e),
+            })?;
+            // The file has its head already.
+            sink.encoder.get_mut().clear();
+            sink.columns = columns;
+            Sink::Arrow(Box::new(sink))
+        } else {
+            Sink::Csv(Box::new(csv::Writer::from_writer(Box::new(file))))
         };
         Ok(Recorder { path: path.to_owned(), sink })
     }
@@ -121,14 +167,31 @@ impl Recorder {
                 e.to_string()
             }),
             Sink::Arrow(mut file) => {
-                file.write_batch().and_then(|()| file.writer.finish()).map_err(|e| e.to_string())
+                let encoded = file.write_batch().and_then(|()| file.encoder.finish());
+                encoded.and_then(|()| Ok(file.hand_over()?)).map_err(|e| e.to_string())
             }
         };
         done.map_err(|reason| RecordFault { path: self.path, reason, reader_left })
     }
 }
 
+fn is_arrow(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "arrow")
+}
+
 impl ArrowFile {
+    /// A file whose head is not handed over yet.
+    fn begun<'n>(
+        file: File,
+        header: impl Iterator<Item = &'n str>,
+    ) -> Result<ArrowFile, ArrowError> {
+        let fields: Vec<Field> = header.map(|n| Field::new(n, DataType::Float64, false)).collect();
+        let columns = vec![Vec::with_capacity(BATCH_ROWS); fields.len()];
+        let schema = Arc::new(Schema::new(fields));
+        let encoder = StreamWriter::try_new(Vec::new(), &schema)?;
+        Ok(ArrowFile { file, encoder, schema, columns })
+    }
+
     fn write_batch(&mut self) -> Result<(), ArrowError> {
         if self.columns[0].is_empty() {
             return Ok(());
@@ -139,7 +202,14 @@ impl ArrowFile {
             .map(|c| Arc::new(Float64Array::from(std::mem::take(c))) as ArrayRef)
             .collect();
         let batch = RecordBatch::try_new(self.schema.clone(), arrays)?;
-        self.writer.write(&batch)?;
-        self.writer.flush()
+        self.encoder.write(&batch)?;
+        Ok(self.hand_over()?)
+    }
+
+    fn hand_over(&mut self) -> std::io::Result<()> {
+        let bytes = self.encoder.get_mut();
+        let written = self.file.write_all(bytes);
+        bytes.clear();
+        written
     }
 }

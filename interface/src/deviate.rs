@@ -8,6 +8,7 @@
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
 /// Layers; the lowest is the rectangle under [`TAIL`] and the tail beyond it.
@@ -36,7 +37,7 @@ fn density(x: f64) -> f64 {
 }
 
 /// A source of deviates of mean 0 and variance 1.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Normal {
     generator: Xoshiro256PlusPlus,
 }

@@ -144,7 +144,7 @@ fn dispersions_act_in_the_direction_of_their_physics_golden() {
         .flat_map(|e| [e.low.bending_damping, e.high.bending_damping])
         .fold(f64::INFINITY, f64::min);
     assert!(point.worst_corners[1].quality.bending_damping < worst_single);
-    let told = outcome(&points, &dispersions).json("sensitivity", None, None);
+    let told = outcome(&points, &dispersions, &[]).json("sensitivity", None, None);
     json::assert_form("sensitivity", told.to_string().as_bytes(), 0);
     golden::hold("sensitivity", [("tables".to_owned(), golden::of_json(&told["tables"]))].into());
 }

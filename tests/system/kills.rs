@@ -58,10 +58,10 @@ const KINDS: [(&str, Duration); 5] = [
 const STIFF: &str = "sampling loop";
 
 /// xorshift64*: kills need no better chance than this, and repeat from their seed.
-struct Chance(u64);
+pub struct Chance(pub u64);
 
 impl Chance {
-    fn below(&mut self, n: u64) -> u64 {
+    pub fn below(&mut self, n: u64) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
@@ -69,7 +69,7 @@ impl Chance {
     }
 }
 
-fn asked(variable: &str, default: u64) -> u64 {
+pub fn asked(variable: &str, default: u64) -> u64 {
     let text = std::env::var(variable).ok();
     text.map_or(default, |t| t.parse().unwrap())
 }

@@ -3,6 +3,8 @@
 
 mod bench_top;
 mod case_study;
+mod catalogue;
+mod checkpoints;
 mod determinism;
 mod endings;
 mod exercises;
@@ -16,6 +18,7 @@ mod kills;
 mod linear;
 mod long_period;
 mod loop_study;
+mod loops;
 mod partition;
 mod pictures;
 mod replay;

@@ -18,6 +18,7 @@ use crate::id::BlockId;
 use crate::machine::{Frozen, Machine, Settle};
 use crate::op::Op;
 use crate::overload::LatchedOverload;
+use serde::{Deserialize, Serialize};
 
 /// Passes beyond one for each store: room for chains through switches and limits.
 const SPARE_PASSES: usize = 64;
@@ -26,7 +27,7 @@ const SPARE_PASSES: usize = 64;
 const MOST_EDGES: usize = 65_536;
 
 /// What a settling reports.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Happenings {
     pub edges: Vec<Edge>,
     pub overloads: Vec<LatchedOverload>,

@@ -5,12 +5,13 @@
 //! [`crate::kernel`].
 
 use crate::signal::Signal;
+use serde::{Deserialize, Serialize};
 
 /// Index into the flat array of nets.
 pub type Slot = u32;
 
 /// One weighted net.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Term {
     pub slot: Slot,
     pub c: f64,

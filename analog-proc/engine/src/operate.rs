@@ -19,6 +19,7 @@ mod past;
 mod recorder;
 mod search;
 mod size;
+mod snapshot;
 mod stepping;
 mod watch;
 
@@ -26,6 +27,7 @@ pub(crate) use heed::Heed;
 pub use heed::{Attendant, Pulse};
 pub use recorder::Sink;
 pub(crate) use recorder::{Cut, Recorder};
+pub use snapshot::SnapshotFault;
 
 use crate::element::dac::Hold;
 use crate::event::Happenings;
@@ -276,23 +278,26 @@ impl Engine {
         }
         let before = self.inputs_of_lines();
         self.hold_what_leaves();
-        let Engine { machine, frozen, nets, before: nets_before, happenings, ics, .. } = self;
-        machine.settle(frozen, ics, t_s, nets, nets_before, initial, happenings)?;
-        self.statistics.edges_lost += self.happenings.drop_oldest_edges();
-        self.overloads.append(&mut self.happenings.overloads);
-        self.count_switchings()?;
+        self.settle_nets(initial)?;
         self.step.y0.copy_from_slice(&self.nets[..n]);
         self.size_up(true);
         self.forget_directions();
-        // Again for each vector at zero: its direction may hang on that of another.
-        for _ in 0..=self.machine.paces.len() {
+        // Again for each vector at zero: its direction may hang on that of another, and logic and
+        // corners on it.
+        for _ in 0..=self.machine.paces.len() + self.machine.elements.len() {
             self.machine.derivatives(&self.frozen, t_s, &mut self.nets, &mut self.step.f0);
             self.step.evaluations += 1;
             self.watch_start();
+            if self.leave_corners() {
+                continue;
+            }
             if !self.turn_vectors() {
                 break;
             }
+            self.settle_nets(initial)?;
+            self.step.y0.copy_from_slice(&self.nets[..n]);
         }
+        self.count_switchings()?;
         self.probe.copy_from_slice(&self.nets);
         self.scheme.restart();
         self.fixed_steps.part();
@@ -303,6 +308,15 @@ impl Engine {
                 line.event(t_s, generation, before, after);
             }
         }
+        Ok(())
+    }
+
+    /// Brings nets, regions and stores to rest at the present instant.
+    fn settle_nets(&mut self, initial: bool) -> Result<(), RunFault> {
+        let Engine { machine, frozen, nets, before, happenings, ics, t_s, .. } = self;
+        machine.settle(frozen, ics, *t_s, nets, before, initial, happenings)?;
+        self.statistics.edges_lost += self.happenings.drop_oldest_edges();
+        self.overloads.append(&mut self.happenings.overloads);
         Ok(())
     }
 
@@ -341,14 +355,16 @@ impl Engine {
         Ok(())
     }
 
-    /// Operates until `stop_s`, or until an overload or the attendant stops it.
+    /// Operates until `stop_s`, or until an overload or the attendant stops it; it comes back at
+    /// the first step's end that is not before `rest_s`, with nothing altered by that.
     pub fn operate(
         &mut self,
         stop_s: f64,
+        rest_s: f64,
         mut recorder: Option<&mut Recorder<'_>>,
         heed: &mut Heed<'_>,
     ) -> Result<Option<LatchedOverload>, RunFault> {
-        while self.t_s < stop_s {
+        while self.t_s < stop_s && self.t_s < rest_s {
             self.heed(heed)?;
             let known = self.overloads.len();
             let mut target_s = stop_s.min(self.next_instant_s());

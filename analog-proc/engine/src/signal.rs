@@ -5,6 +5,7 @@
 //! excluding crossings within a step), and the number with what rounding
 //! leaves undecided of it ([`Doubted`], for telling noise from a crossing).
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -110,7 +111,7 @@ impl Signal for f64 {
 }
 
 /// A value with its rate, per second.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rated {
     pub value: f64,
     pub rate: f64,
@@ -222,7 +223,7 @@ impl Signal for Rated {
 }
 
 /// A value and by how much it may be off, to first order.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Doubted {
     pub value: f64,
     /// Not negative.

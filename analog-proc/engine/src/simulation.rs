@@ -15,7 +15,7 @@ use crate::element::logic::Edge;
 use crate::fault::RunFault;
 use crate::machine::Machine;
 use crate::mode::Mode;
-pub use crate::operate::{Attendant, Pulse, Sink};
+pub use crate::operate::{Attendant, Pulse, Sink, SnapshotFault};
 use crate::operate::{Engine, Heed, Recorder};
 use crate::outlook;
 use crate::overload::LatchedOverload;
@@ -25,6 +25,9 @@ use crate::{
     id::{BlockId, NetId},
     integration::{Integration, Method, OverloadPolicy},
 };
+
+/// Later than any stop.
+const NEVER: Tick = Tick(i64::MAX);
 
 /// How far a call came.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,7 +139,7 @@ impl Simulation {
         t: Tick,
         attendant: &mut Attendant<'_>,
     ) -> Result<Advance, RunFault> {
-        self.advance(t, None, attendant)
+        self.advance((t, NEVER), None, attendant)
     }
 
     /// As [`Simulation::advance_to`], handing the nets to `sink` at each multiple of
@@ -167,15 +170,29 @@ impl Simulation {
         sink: &mut Sink<'_>,
         attendant: &mut Attendant<'_>,
     ) -> Result<Advance, RunFault> {
+        self.advance_by_legs((t, NEVER), every, nets, sink, attendant)
+    }
+
+    /// As [`Simulation::advance_recording_attended`] until `t`, but it comes back at the first
+    /// step's end that is not before `rest`, without a stop there: who calls again goes on as if
+    /// nothing had been.
+    pub fn advance_by_legs(
+        &mut self,
+        (t, rest): (Tick, Tick),
+        every: Tick,
+        nets: &[NetId],
+        sink: &mut Sink<'_>,
+        attendant: &mut Attendant<'_>,
+    ) -> Result<Advance, RunFault> {
         let slots: Vec<u32> =
             nets.iter().map(|n| self.engine.machine.slot_of_net[n.index()]).collect();
         let mut recorder = Recorder::new(self.engine.t_s, every, slots, sink);
-        self.advance(t, Some(&mut recorder), attendant)
+        self.advance((t, rest), Some(&mut recorder), attendant)
     }
 
     fn advance(
         &mut self,
-        t: Tick,
+        (t, rest): (Tick, Tick),
         recorder: Option<&mut Recorder<'_>>,
         attendant: &mut Attendant<'_>,
     ) -> Result<Advance, RunFault> {
@@ -191,7 +208,7 @@ impl Simulation {
         self.mode = Mode::Operate;
         let passes = self.engine.step.evaluations;
         let mut heed = Heed::new(self.engine.machine.states, passes, attendant);
-        let result = self.engine.operate(t.secs(), recorder, &mut heed);
+        let result = self.engine.operate(t.secs(), rest.secs(), recorder, &mut heed);
         let stopped_by = self.keep(result)?;
         if stopped_by.is_some() {
             match self.engine.integration.overload {
@@ -200,8 +217,37 @@ impl Simulation {
                 OverloadPolicy::Continue => {}
             }
         }
-        let reached = if stopped_by.is_some() { self.now() } else { t };
+        let is_short = stopped_by.is_some() || self.engine.t_s < t.secs();
+        let reached = if is_short { self.now() } else { t };
         Ok(Advance { reached, stopped_by })
+    }
+
+    /// The whole state as bytes, apart from program and settings.
+    pub fn snapshot(&self) -> Result<Vec<u8>, SnapshotFault> {
+        if self.fault.is_some() {
+            return Err(SnapshotFault::Faulted);
+        }
+        let mut bytes = self.engine.snapshot()?;
+        let rest = (self.mode, self.dirty, self.ended);
+        bincode::serde::encode_into_std_write(rest, &mut bytes, bincode::config::standard())
+            .map_err(|e| SnapshotFault::Damaged(e.to_string()))?;
+        Ok(bytes)
+    }
+
+    /// Takes over the state of a simulation of the same program and settings; what follows has the
+    /// bits that it would have had there. Where the bytes are refused all stays as it is.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SnapshotFault> {
+        let mut engine = self.engine.clone();
+        let rest = engine.restore(bytes)?;
+        let damaged = |e: String| SnapshotFault::Damaged(e);
+        let ((mode, dirty, ended), used) =
+            bincode::serde::decode_from_slice(rest, bincode::config::standard())
+                .map_err(|e| damaged(e.to_string()))?;
+        if used != rest.len() {
+            return Err(damaged("it is longer than a state".to_owned()));
+        }
+        *self = Simulation { engine, mode, dirty, ended, fault: None };
+        Ok(())
     }
 
     fn keep<T>(&mut self, result: Result<T, RunFault>) -> Result<T, RunFault> {

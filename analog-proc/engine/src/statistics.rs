@@ -1,7 +1,9 @@
 //! What a run has counted.
 
+use serde::{Deserialize, Serialize};
+
 /// Counts since the last reset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Accepted steps.
     pub steps: u64,

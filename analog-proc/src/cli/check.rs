@@ -1,21 +1,35 @@
 //! `analog-proc check`: all faults of a patch, or what it is.
 
 use super::{PatchArgs, is_coloured};
-use crate::{net::Kind, order::Ordered, patch, session::static_check::static_check};
+use crate::{
+    net::{Kind, Net, Netlist},
+    order::Ordered,
+    patch,
+    session::static_check::static_check,
+};
 use desk::{
     failure::Failure,
     faults::FileFault,
     outcome::Outcome,
     report::{Column, Table},
 };
+use engine::{id::NetId, simulation::Simulation};
 use interface::control::StaticCheckLine;
 use std::path::Path;
 
-/// Check a patch.
+/// Check a patch: all its faults at once, what it is made of, and whether it starts where its
+/// `[expect]` says.
+///
+///     analog-proc check patch-files/van-der-pol.toml
+///     analog-proc check patch-files/van-der-pol.toml --values --set mu=5
 #[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
 pub struct Check {
     #[command(flatten)]
     patch: PatchArgs,
+    /// Show the output of every block at IC, and the derivative of each that has one
+    #[arg(long)]
+    values: bool,
 }
 
 /// A patch read, checked against its profile and put in order.
@@ -72,9 +86,19 @@ impl Check {
                 if l.agrees { "agrees" } else { "DISAGREES" }.into()
             }),
         ];
-        let section = outcome.section("").long_table("patch", "", Table::of(&patch, [&hash]));
+        let mut section = outcome.section("").long_table("patch", "", Table::of(&patch, [&hash]));
         if !lines.is_empty() {
-            section.table("static_check", "Static check", Table::of(&columns, &lines));
+            section = section.table("static_check", "Static check", Table::of(&columns, &lines));
+        }
+        if self.values {
+            let rows = at_ic(&ordered.netlist, &simulation);
+            let columns = [
+                Column::new("Net", "", |v: &AtIc| v.net.into()),
+                Column::new("Kind", "", |v: &AtIc| v.kind.into()),
+                Column::new("Output", "", |v: &AtIc| v.output.into()).digits(17),
+                Column::new("Derivative", "1/s", |v: &AtIc| v.derivative.into()).digits(17),
+            ];
+            section.table("values", "At IC", Table::of(&columns, &rows));
         }
         outcome.remarks = warnings.iter().map(|warning| format!("warning: {warning}")).collect();
         let disagree = lines.iter().filter(|l| !l.agrees).count();
@@ -84,4 +108,22 @@ impl Check {
         }
         outcome.tell("check", None, self.patch.json)
     }
+}
+
+/// A net at IC.
+struct AtIc<'a> {
+    net: &'a str,
+    kind: &'static str,
+    output: f64,
+    derivative: Option<f64>,
+}
+
+fn at_ic<'a>(netlist: &'a Netlist, simulation: &Simulation) -> Vec<AtIc<'a>> {
+    let value = |(net, i): (&'a Net, u32)| AtIc {
+        net: &net.name,
+        kind: netlist.blocks[net.driver.index()].kind.name(),
+        output: simulation.net(NetId(i)),
+        derivative: simulation.derivative(net.driver),
+    };
+    netlist.nets.iter().zip(0..).map(value).collect()
 }

@@ -1,6 +1,9 @@
 //! `analog-proc linearise`: the linear model of a patch about a state of it, its roots and its Bode diagram.
 
-use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, happenings, write_page};
+use super::{
+    PatchArgs, add_files, check::Compiled, expect_page, find_net, happenings, page_record,
+    write_page,
+};
 use desk::{
     failure::Failure,
     outcome::{Figure, Outcome},
@@ -122,7 +125,7 @@ impl Linearise {
             }
         }
         if let Some(page) = &self.page {
-            write_page(&outcome, "linearise", page, &self.patch, hash)?;
+            write_page(&outcome, &page_record("linearise", &self.patch, hash), page)?;
             add_files(&mut outcome, [page.as_path()]);
         }
         outcome.tell("linearise", None, self.patch.json)

@@ -20,6 +20,7 @@ use desk::{
     shell::{self, Manual},
 };
 use engine::{id::NetId, overload::LatchedOverload, simulation::Simulation};
+use serde::{Deserialize, Serialize};
 use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
@@ -46,9 +47,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Check a patch: report all its faults, or its size, order and static check
     Check(check::Check),
     Run(run::Run),
+    Resume(run::Resume),
     Sweep(sweep::Sweep),
     /// Draw a patch as an SVG wiring diagram in analog-computer symbols
     Draw(draw::Draw),
@@ -60,7 +61,7 @@ enum Command {
 }
 
 /// What every command that reads a patch takes.
-#[derive(Args)]
+#[derive(Clone, Args, Serialize, Deserialize)]
 struct PatchArgs {
     /// The patch file
     patch: PathBuf,
@@ -106,22 +107,24 @@ fn expect_page(page: &Path, patch: &Path) -> Result<(), Failure> {
     expect_output(page, patch, &["html"])
 }
 
-/// Writes the outcome's page.
-fn write_page(
-    outcome: &Outcome,
+/// What a page says of the run that starts now.
+fn page_record(
     command: &str,
-    page: &Path,
     PatchArgs { patch, profile, params, .. }: &PatchArgs,
     hash: String,
-) -> Result<(), Failure> {
+) -> RunRecord {
     let mut record =
         RunRecord::begin(command, UtcSecond::from_system(SystemTime::now()), profile, "none");
     record.patch = Some(PatchIdentity { name: patch.display().to_string(), sha256: hash });
     record.parameters =
         params.iter().map(|(name, value)| (name.clone(), (*value).into())).collect();
-    std::fs::write(page, outcome.page(&record))
-        .map_err(|e| Failure::output(format!("cannot write {}: {e}", page.display())))?;
-    Ok(())
+    record
+}
+
+/// Writes the outcome's page.
+fn write_page(outcome: &Outcome, record: &RunRecord, page: &Path) -> Result<(), Failure> {
+    std::fs::write(page, outcome.page(record))
+        .map_err(|e| Failure::output(format!("cannot write {}: {e}", page.display())))
 }
 
 /// Names the files that a command wrote; `-` is none.
@@ -178,6 +181,7 @@ pub fn main() -> ExitCode {
     shell::main(|cli: Cli| match cli.command {
         Command::Check(c) => c.execute(),
         Command::Run(c) => c.execute(),
+        Command::Resume(c) => c.execute(),
         Command::Sweep(c) => c.execute(),
         Command::Draw(c) => c.execute(),
         Command::Linearise(c) => c.execute(),

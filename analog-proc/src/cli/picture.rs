@@ -12,11 +12,13 @@ use desk::{
     run_dir::thin::Rows,
 };
 use interface::Tick;
+use serde::{Deserialize, Serialize};
 
 /// Rows kept of a run, however long: more than a picture has pixels.
 const MOST_ROWS: usize = 40_000;
 
 /// What is drawn of a run, and its rows so far.
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Picture {
     /// Names of the nets whose values come, in that order.
     names: Vec<String>,
@@ -27,7 +29,7 @@ pub struct Picture {
 }
 
 /// Least and greatest value of a net, and when.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 struct Extremes {
     name: String,
     full_scale: Option<f64>,

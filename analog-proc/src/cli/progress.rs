@@ -26,6 +26,7 @@ pub struct Progress {
     bar: Option<ProgressBar>,
     started: Instant,
     drawn: Instant,
+    from_s: f64,
     until_s: f64,
     until: Tick,
     /// Whether a stiff method is there to be recommended.
@@ -36,12 +37,14 @@ pub struct Progress {
 }
 
 impl Progress {
-    pub fn new(until: Tick, method: Method) -> Progress {
+    /// Of a run that stands at `from`.
+    pub fn new(from: Tick, until: Tick, method: Method) -> Progress {
         let now = Instant::now();
         Progress {
             bar: None,
             started: now,
             drawn: now,
+            from_s: from.secs(),
             until_s: until.secs(),
             until,
             explicit: method == Method::DormandPrince,
@@ -74,7 +77,7 @@ impl Progress {
     }
 
     fn is_stiff(&self, time_s: f64, elapsed: Duration) -> bool {
-        let left_s = elapsed.as_secs_f64() * (self.until_s - time_s) / time_s;
+        let left_s = elapsed.as_secs_f64() * (self.until_s - time_s) / (time_s - self.from_s);
         self.explicit && left_s > LONG.as_secs_f64() && 2 * self.at_the_edge > self.pulses
     }
 

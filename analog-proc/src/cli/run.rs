@@ -1,18 +1,27 @@
-//! `analog-proc run`: a patch by itself, recorded to a file.
+//! `analog-proc run`: a patch by itself, recorded to a file; `analog-proc resume`: one that was
+//! killed, from its last checkpoint.
 
 use super::{
     PatchArgs, add_files, check::Compiled, estimate, expect_output, expect_page, find_net,
-    picture::Picture, progress::Progress, write_page,
+    page_record, picture::Picture, progress::Progress, write_page,
 };
 use crate::{
     net::{Block, Kind},
     order::Ordered,
-    record::{RecordFault, Recorder},
+    record::{RecordFault, RecordState, Recorder},
 };
-use desk::{command_line::interrupt_flag, failure::Failure, note, outcome::Outcome};
-use engine::{fault::RunFault, simulation::Pulse};
+use desk::{
+    checkpoint, command_line::interrupt_flag, failure::Failure, note, outcome::Outcome,
+    run_dir::RunRecord,
+};
+use engine::{fault::RunFault, simulation::Pulse, simulation::Simulation};
 use interface::Tick;
-use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering};
+use serde::{Deserialize, Serialize};
+use std::{
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+    sync::atomic::Ordering,
+};
 
 /// Run a patch by itself: record nets as CSV or Arrow, or look at them on a page
 ///
@@ -21,7 +30,13 @@ use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering};
 ///   analog-proc run patch-files/lorenz.toml --until 40s --xy x:z
 ///   analog-proc run patch-files/van-der-pol.toml --until 20s --plot x,v --page vdp.html
 ///   analog-proc run patch-files/van-der-pol.toml --until 20s --out vdp.csv
-#[derive(clap::Args)]
+///
+/// A long run keeps its state in FILE.checkpoint, beside its output, and goes on after a kill with
+/// the numbers that it would have had:
+///
+///   analog-proc run patch-files/lorenz.toml --until 100000s --every 1s --checkpoint 1000s --out l.csv
+///   analog-proc resume l.csv.checkpoint
+#[derive(Clone, clap::Args, Serialize, Deserialize)]
 #[command(verbatim_doc_comment)]
 pub struct Run {
     #[command(flatten)]
@@ -47,10 +62,81 @@ pub struct Run {
     /// File to write: .csv (17 significant digits) or .arrow (IPC stream); `-` for CSV on standard output [default: `-`, or none with a page]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Problem time between two checkpoints [default: none are kept]
+    #[arg(long, value_name = "TIME")]
+    checkpoint: Option<Tick>,
+}
+
+/// Go on with a run from its last checkpoint
+///
+/// Go on with a run that was killed or interrupted, from its last checkpoint. Its output and its
+/// numbers are those of a run that was never stopped.
+///
+///   analog-proc resume vdp.csv.checkpoint
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Resume {
+    /// The checkpoint, which stands beside the run's output
+    checkpoint: PathBuf,
+    /// Print results and faults as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// All that a run goes on from, apart from its patch.
+#[derive(Serialize, Deserialize)]
+struct Checkpoint {
+    run: Run,
+    /// Where its relative paths begin.
+    folder: PathBuf,
+    /// When it was begun, and by what command line.
+    started: String,
+    command_line: Vec<String>,
+    /// SHA-256 of the patch, hexadecimal.
+    patch: String,
+    simulation: Vec<u8>,
+    record: Option<RecordState>,
+    picture: Option<Picture>,
+}
+
+impl Resume {
+    pub fn execute(self) -> Result<(), Failure> {
+        let mut kept: Checkpoint = checkpoint::read(&self.checkpoint)?;
+        std::env::set_current_dir(&kept.folder).map_err(|e| {
+            let folder = kept.folder.display();
+            Failure::input(format!("cannot go to {folder}, where the run was begun: {e}"))
+        })?;
+        kept.run.patch.json |= self.json;
+        kept.run.clone().carry_out(Some(kept))
+    }
+}
+
+/// Where the rows of a run go.
+struct Output {
+    picture: Option<Picture>,
+    recorder: Option<Recorder>,
+}
+
+impl Output {
+    fn row(&mut self, time_s: f64, values: &[f64]) -> Result<(), RecordFault> {
+        if let Some(picture) = &mut self.picture {
+            picture.row(time_s, values);
+        }
+        self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.row(time_s, values))
+    }
+
+    fn finish(&mut self) -> Result<(), RecordFault> {
+        self.recorder.take().map_or(Ok(()), Recorder::finish)
+    }
 }
 
 impl Run {
     pub fn execute(self) -> Result<(), Failure> {
+        self.carry_out(None)
+    }
+
+    /// From the start, or from where it was.
+    fn carry_out(self, kept: Option<Checkpoint>) -> Result<(), Failure> {
         if self.until < Tick::ZERO {
             return Err(Failure::input(format!("--until {} must not be negative", self.until)));
         }
@@ -63,6 +149,9 @@ impl Run {
                 self.every, self.until
             )));
         }
+        if self.checkpoint.is_some_and(|every| every <= Tick::ZERO) {
+            return Err(Failure::input("--checkpoint must be positive"));
+        }
         let page = self.page();
         if let Some(page) = &page {
             expect_page(page, &self.patch.patch)?;
@@ -72,13 +161,21 @@ impl Run {
         if let Some(out) = &out {
             expect_output(out, &self.patch.patch, &["csv", "arrow"])?;
         }
+        let checkpoint = self.place_of_checkpoints(out.as_deref(), page.as_deref())?;
         let Compiled { ordered, hash } = self.patch.compile()?;
+        if kept.as_ref().is_some_and(|kept| kept.patch != hash) {
+            return Err(Failure::input(format!(
+                "{} is not as it was when the run began; put it back, or start the run anew",
+                self.patch.patch.display()
+            )));
+        }
+        let mut begun = page_record("run", &self.patch, hash.clone());
         let mut names = self.recorded(&ordered)?;
-        let mut picture = match page {
+        let picture = match page {
             Some(_) => Some(Picture::new(&ordered, &mut names, &self.plot, &self.xy)?),
             None => None,
         };
-        if let Some(out) = &out {
+        if let (Some(out), None) = (&out, &kept) {
             estimate::check(out, self.until, self.every, names.len() + 1)?;
         }
         let nets =
@@ -86,35 +183,60 @@ impl Run {
         let mut simulation = ordered.simulation().map_err(Failure::input)?;
         let write = |f: RecordFault| Failure::output(f);
         let interrupted = interrupt_flag().map_err(Failure::input)?;
-        let create = |out: &PathBuf| Recorder::create(out, names.iter().map(String::as_str));
-        let mut recorder = out.as_ref().map(create).transpose().map_err(write)?;
-        let mut progress = Progress::new(self.until, ordered.netlist.integration.method);
-        let mut failed = None;
-        let first: Vec<f64> = nets.iter().map(|n| simulation.net(*n)).collect();
-        let mut take = |time_s: f64, values: &[f64]| {
-            if let Some(picture) = &mut picture {
-                picture.row(time_s, values);
+        let header = || names.iter().map(String::as_str);
+        let mut output = match kept {
+            None => {
+                let recorder = out.as_ref().map(|out| Recorder::create(out, header()));
+                let recorder = recorder.transpose().map_err(write)?;
+                let mut output = Output { picture, recorder };
+                let first: Vec<f64> = nets.iter().map(|n| simulation.net(*n)).collect();
+                output.row(0.0, &first).map_err(write)?;
+                output
             }
-            recorder.as_mut().map_or(Ok(()), |recorder| recorder.row(time_s, values))
+            Some(kept) => {
+                let Checkpoint { simulation: state, record, picture, .. } = kept;
+                (begun.started, begun.command_line) = (kept.started, kept.command_line);
+                simulation.restore(&state).map_err(Failure::input)?;
+                let resume = |(out, record): (&PathBuf, _)| Recorder::resume(out, header(), record);
+                Output { picture, recorder: out.as_ref().zip(record).map(resume).transpose()? }
+            }
         };
-        take(0.0, &first).map_err(write)?;
-        let mut sink = |time_s: f64, values: &[f64]| {
-            failed = take(time_s, values).err();
-            go_on(failed.is_none() && !interrupted.load(Ordering::Relaxed))
+        let method = ordered.netlist.integration.method;
+        let mut progress = Progress::new(simulation.now(), self.until, method);
+        let mut failed = None;
+        let end = loop {
+            let mut sink = |time_s: f64, values: &[f64]| {
+                failed = output.row(time_s, values).err();
+                go_on(failed.is_none() && !interrupted.load(Ordering::Relaxed))
+            };
+            let mut attend = |pulse: &Pulse| {
+                progress.at(pulse);
+                go_on(!interrupted.load(Ordering::Relaxed))
+            };
+            let leg = (self.until, self.next_checkpoint(simulation.now()));
+            let end = simulation.advance_by_legs(leg, self.every, &nets, &mut sink, &mut attend);
+            let is_under_way = end.as_ref().is_ok_and(|end| end.stopped_by.is_none())
+                && simulation.now_s() < self.until.secs();
+            let Some(place) = checkpoint.as_deref().filter(|_| is_under_way) else {
+                break end;
+            };
+            if let Err(unkept) = self.keep(place, &begun, &simulation, &mut output) {
+                output.finish().map_err(write)?;
+                return Err(unkept);
+            }
         };
-        let mut attend = |pulse: &Pulse| {
-            progress.at(pulse);
-            go_on(!interrupted.load(Ordering::Relaxed))
-        };
-        let end = simulation.advance_recording_attended(
-            self.until,
-            self.every,
-            &nets,
-            &mut sink,
-            &mut attend,
-        );
-        let finished = recorder.map_or(Ok(()), Recorder::finish);
+        let finished = output.finish();
+        let picture = &output.picture;
         progress.done();
+        let is_interrupted = matches!(end, Err(RunFault::Halted { .. }));
+        if let Some(place) = checkpoint.as_deref().filter(|place| place.exists()) {
+            if is_interrupted {
+                note!("go on with: analog-proc resume {}", place.display());
+            } else {
+                // The run is over; what is left of it otherwise is told by its name.
+                let _ = std::fs::remove_file(place);
+            }
+        }
         let written = failed.map_or(finished, Err);
         if written.as_ref().is_err_and(RecordFault::reader_left) {
             // `| head` and the like: nobody wants the rest.
@@ -128,12 +250,12 @@ impl Run {
         let mut remarks: Vec<String> = overloads.collect();
         remarks.extend(simulation.remarks().iter().map(|remark| format!("remark: {remark}")));
         let mut outcome = Outcome::default();
-        if let (Some(picture), Some(page)) = (&picture, &page) {
+        if let (Some(picture), Some(page)) = (picture, &page) {
             outcome.title = format!("{}: to {}", ordered.netlist.title, simulation.now());
             outcome.remarks.clone_from(&remarks);
             outcome.remarks.extend(end.as_ref().err().map(ToString::to_string));
             picture.fill(&mut outcome);
-            write_page(&outcome, "run", page, &self.patch, hash)?;
+            write_page(&outcome, &begun, page)?;
         }
         // Else standard output is taken by the record.
         let is_to_file = out.as_ref().is_none_or(|out| out.as_os_str() != "-");
@@ -183,6 +305,50 @@ impl Run {
         } else {
             outcome.tell_beside("run", self.patch.json)
         }
+    }
+
+    /// Where the checkpoints go, if any are asked for: beside the output.
+    fn place_of_checkpoints(
+        &self,
+        out: Option<&Path>,
+        page: Option<&Path>,
+    ) -> Result<Option<PathBuf>, Failure> {
+        if self.checkpoint.is_none() {
+            return Ok(None);
+        }
+        match out.or(page) {
+            Some(output) if output.as_os_str() != "-" => Ok(Some(checkpoint::beside(output))),
+            _ => {
+                Err(Failure::input("--checkpoint needs a file to go on with: name one with --out"))
+            }
+        }
+    }
+
+    /// The first multiple of the checkpoints' interval after `now`.
+    fn next_checkpoint(&self, now: Tick) -> Tick {
+        let next = |every: Tick| Tick(every.0.saturating_mul(now.0 / every.0 + 1));
+        self.checkpoint.map_or(Tick(i64::MAX), next)
+    }
+
+    /// Keeps the state of the run.
+    fn keep(
+        &self,
+        place: &Path,
+        begun: &RunRecord,
+        simulation: &Simulation,
+        output: &mut Output,
+    ) -> Result<(), Failure> {
+        let state = Checkpoint {
+            run: self.clone(),
+            folder: std::env::current_dir().map_err(Failure::input)?,
+            started: begun.started.clone(),
+            command_line: begun.command_line.clone(),
+            patch: begun.patch.as_ref().map(|patch| patch.sha256.clone()).unwrap_or_default(),
+            simulation: simulation.snapshot().map_err(Failure::input)?,
+            record: output.recorder.as_mut().map(Recorder::state).transpose()?,
+            picture: output.picture.clone(),
+        };
+        Ok(checkpoint::write(place, &state)?)
     }
 
     /// The page to draw on, if one is asked for.

@@ -1,6 +1,9 @@
 //! `analog-proc sweep`: the same patch with other parameters, run after run, measured and overlaid.
 
-use super::{PatchArgs, add_files, check::Compiled, expect_page, find_net, happenings, write_page};
+use super::{
+    PatchArgs, add_files, check::Compiled, expect_page, find_net, happenings, page_record,
+    write_page,
+};
 use desk::{
     command_line::interrupt_flag,
     failure::Failure,
@@ -226,7 +229,7 @@ impl Sweep {
                     &chart,
                 );
             }
-            write_page(&outcome, "sweep", page, &first, hash)?;
+            write_page(&outcome, &page_record("sweep", &first, hash), page)?;
             add_files(&mut outcome, [page.as_path()]);
         }
         outcome.tell("sweep", None, self.json)

@@ -10,6 +10,11 @@
 //! a net is *sensitive* where the difference is less than ten times what that changes: the
 //! answer is then the exact one of a patch within the 1e-8 that the default settings claim.
 //!
+//! Fixed steps have no error to end a run by. Where something turns ever faster (a divisor that
+//! follows what sticks at zero, at a rate of one over it), no step is short enough, and what
+//! follows is off by a finite amount, also the instant of a fault. The run then says so in a
+//! remark, and that counts as said, whether it ends by itself or by the fault.
+//!
 //! It is long, but one judgement: each excuse rests on the ones before it.
 
 use crate::bench::ordered;
@@ -17,7 +22,8 @@ use crate::patch::Patch;
 use crate::random::Random;
 use analog_proc::order::Ordered;
 use engine::fault::RunFault;
-use engine::simulation::Pulse;
+use engine::remark::Remark;
+use engine::simulation::{Pulse, Simulation};
 use engine::{
     id::NetId,
     integration::{Integration, Method},
@@ -63,7 +69,7 @@ pub enum Verdict {
     Refused(String),
     /// The answers differ by less than the patch's own sensitivity accounts for.
     Sensitive,
-    /// They differ, and a remark on a state that has faded says so.
+    /// They differ, and a remark of the run says so.
     Flagged,
     /// Values too large, or a patch that the compiler refuses.
     Unfit(String),
@@ -97,19 +103,30 @@ fn fault(fault: &RunFault) -> Fault {
 }
 
 fn simulate(ordered: &Ordered, integration: Integration, until_s: f64) -> Result<Rows, Fault> {
-    Ok(remarked(ordered, integration, until_s)?.0)
+    remarked(ordered, integration, until_s).0
 }
 
-/// A run, and whether it had a remark to make.
+/// A run, and whether it had a remark to make; of one that ended by a fault, on its fixed steps.
 fn remarked(
     ordered: &Ordered,
     integration: Integration,
     until_s: f64,
-) -> Result<(Rows, bool), Fault> {
+) -> (Result<Rows, Fault>, bool) {
     let mut ordered = ordered.clone();
     ordered.netlist.integration = integration;
+    let mut simulation = match ordered.simulation() {
+        Ok(simulation) => simulation,
+        Err(f) => return (Err(fault(&f)), false),
+    };
+    let run = recorded(&ordered, &mut simulation, until_s);
+    let remarks = simulation.remarks();
+    let counts = |remark: &Remark| run.is_ok() || matches!(remark, Remark::Coarse { .. });
+    let said = remarks.iter().any(counts);
+    (run, said)
+}
+
+fn recorded(ordered: &Ordered, simulation: &mut Simulation, until_s: f64) -> Result<Rows, Fault> {
     let nets: Vec<NetId> = (0..ordered.netlist.nets.len() as u32).map(NetId).collect();
-    let mut simulation = ordered.simulation().map_err(|f| fault(&f))?;
     let end = Tick::from_secs(until_s).unwrap();
     let every = Tick(end.0 / (ROWS as i64 + 1));
     // The start among them: what decays is measured by what it was.
@@ -131,7 +148,7 @@ fn remarked(
         .map_err(|f| fault(&f))?;
     rows.truncate(ROWS + 1);
     rows.push(nets.iter().map(|n| simulation.net(*n)).collect());
-    Ok((rows, !simulation.remarks().is_empty()))
+    Ok(rows)
 }
 
 fn fine() -> Integration {
@@ -392,14 +409,11 @@ pub fn judge(patch: &Patch, seed: u64) -> Verdict {
         ("looser", loose, COARSE),
         ("second method", second, COARSE),
     ] {
-        let (run, faded) = match remarked(&ordered, integration, until_s) {
-            Ok((rows, faded)) => (Ok(rows), faded),
-            Err(fault) => (Err(fault), false),
-        };
+        let (run, said) = remarked(&ordered, integration, until_s);
         match against(what, &run, &reference, relative, &names, &mut felt) {
             None => {}
             Some(Verdict::Sensitive) => sensitive = true,
-            Some(Verdict::Wrong(_)) if faded => flagged = true,
+            Some(Verdict::Wrong(_)) if said => flagged = true,
             Some(Verdict::Wrong(_))
                 if what == "second method"
                     && errs_alone(&ordered, integration, until_s, &run, &reference) => {}

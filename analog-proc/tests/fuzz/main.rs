@@ -16,6 +16,7 @@ mod random;
 #[path = "../common/roots.rs"]
 mod roots;
 mod shrink;
+mod snapshot;
 mod truth;
 
 use judge::{Verdict, judge};

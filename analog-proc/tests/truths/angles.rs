@@ -247,3 +247,36 @@ fn a_divisor_that_is_zero_with_a_vector_ends_the_run() {
         }
     }
 }
+
+#[test]
+fn logic_sees_the_angle_to_which_a_vector_leaves_its_origin() {
+    // (0, y): y = t, |u| or max(u, −u) leaves zero upward, from the start or after it came down to
+    // it at 1 s; the angle is never another than a quarter turn. y = u itself jumps once.
+    for (y, from, rises) in [
+        ("t", 0.0, 0.0),
+        ("u", 0.0, 0.0),
+        ("u", -1.0, 1.0),
+        ("a", 0.0, 0.0),
+        ("a", -1.0, 0.0),
+        ("m", 0.0, 0.0),
+        ("m", -1.0, 0.0),
+    ] {
+        let mut bench = Bench::new(&format!(
+            r#"one = {{ kind = "constant", value = 1.0 }}
+zero = {{ kind = "constant", value = 0.0 }}
+t = {{ kind = "time" }}
+u = {{ kind = "integrator", in = ["one"], ic = {from:?} }}
+a = {{ kind = "abs", in = ["u"] }}
+m = {{ kind = "max", in = ["u", "-1.0 * u"] }}
+angle = {{ kind = "arctangent", in = ["{y}", "zero"] }}
+up = {{ kind = "comparator", in = ["angle"], threshold = 0.5 }}
+rises = {{ kind = "counter", in = ["up"] }}
+down = {{ kind = "comparator", in = ["-1.0 * angle"], threshold = 0.5 }}
+falls = {{ kind = "counter", in = ["down"] }}"#
+        ));
+        bench.run(1.5);
+        assert_eq!(bench.net("rises"), rises, "{y} from {from}");
+        assert_eq!(bench.net("falls"), 0.0, "{y} from {from}");
+        assert_eq!(bench.net("angle"), 0.5 * PI, "{y} from {from}");
+    }
+}

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::study::{
     case_study::{CasePlan, run},
+    catalogue::{CataloguePlan, STEP as CATALOGUE_STEP},
     long_period::run::LongPeriodPlan,
     sensitivity::dispersion_file::Dispersions,
     short_period::plan::Plan,
@@ -16,8 +17,8 @@ use std::path::PathBuf;
 /// The paper's case study: every run of its section 4, and whether each claim holds.
 ///
 /// Short-period runs of the pitch and the yaw–roll loops at all trajectory points and
-/// under all operating conditions, then long-period flights in every failure mode, all in
-/// one session. Ends with the claims table: holds, holds in part (and where not), or does not
+/// under all operating conditions, then long-period flights in every failure mode, the tankage,
+/// and the catalogue of each failure at each second of the flight, all in one session. Ends with the claims table: holds, holds in part (and where not), or does not
 /// hold; exit code 1 only for the last, or if a claim cannot be judged.
 ///
 ///     digital-proc case-study
@@ -36,6 +37,9 @@ pub struct CaseStudy {
     /// Leave out the sensitivity tables, which no claim needs
     #[arg(long)]
     no_sensitivity: bool,
+    /// Leave out the catalogue of failures, which no claim needs
+    #[arg(long)]
+    no_catalogue: bool,
     #[command(flatten)]
     study: StudyArgs,
 }
@@ -52,8 +56,10 @@ impl CaseStudy {
             wanted.locate(&vehicle)?;
             dispersions = Some(wanted);
         }
+        let every = (!self.no_catalogue).then_some(CATALOGUE_STEP);
         let plan = CasePlan {
             short: Plan::new(&points, &vehicle)?,
+            catalogue: every.map(|step| CataloguePlan::new(&failures.modes, step, &vehicle)),
             long: LongPeriodPlan::new(failures.modes, self.study.profile()?),
             dispersions,
         };

@@ -7,12 +7,14 @@ use crate::study::{
         outcome::outcome,
         run::{LongPeriodPlan, run},
     },
+    tankage,
 };
 use desk::failure::Failure;
 use std::path::PathBuf;
 
 /// Fly every mode of the failure file to burn-out, flight after flight in one
-/// session, and judge the paper's claims about trajectory and loads.
+/// session, and judge the paper's claims about trajectory and loads; then under disturbances of
+/// every sign for the tankage of the side-force fluid.
 ///
 /// Exit code 1 when a claim does not hold.
 #[derive(clap::Args)]
@@ -31,12 +33,17 @@ impl LongPeriod {
         let plan = LongPeriodPlan::new(failures.modes, self.study.profile()?);
         let mut begun = self.study.begin("long-period", &vehicle, &plan.profile)?;
         begun.set("failures", failures.file);
-        let amount = (plan.flights(), "flights");
-        let results = self.study.on_machine(context, amount, |console, progress| {
-            let results = run(console, &vehicle, &plan, progress)?;
+        let (claimed, modes) = (plan.flights(), plan.modes.len());
+        let amount = (claimed + tankage::flights(modes), "flights");
+        let (results, tankage) = self.study.on_machine(context, amount, |console, progress| {
+            let results = run(console, &vehicle, &plan, &mut *progress)?;
             begun.patch(&plan.patch.root, console.patch_hash());
-            Ok::<_, StudyFault>(results)
+            let flown = |flights| progress(claimed + flights);
+            let tankage = tankage::run(console, &vehicle, &plan, flown)?;
+            Ok::<_, StudyFault>((results, tankage))
         })?;
-        outcome(&results, plan.step).publish(&begun, self.study.machine.json)
+        let mut outcome = outcome(&results, plan.step);
+        tankage.fill(&mut outcome);
+        outcome.publish(&begun, self.study.machine.json)
     }
 }

@@ -3,10 +3,12 @@
 //! Exit codes stand in [`desk::command_line`].
 
 mod case_study;
+mod catalogue;
 mod design_gains;
 mod failure;
 mod failures;
 mod fly;
+mod gyro_location;
 mod long_period;
 mod replay;
 mod runs;
@@ -77,12 +79,16 @@ enum Command {
     Sampling(sampling::Sampling),
     /// Fly every mode of the failure file and judge the claims about trajectory and loads
     LongPeriod(long_period::LongPeriod),
+    /// Catalogue what becomes of each failure at each time of its occurrence
+    Catalogue(catalogue::Catalogue),
     /// List the modes of a failure file, or print the shipped one to start from
     Failures(failures::Failures),
     /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
     DesignGains(design_gains::DesignGains),
     /// Disperse the pitch loop one parameter at a time and at the corners, and rank them
     Sensitivity(sensitivity::Sensitivity),
+    /// Damping of the bending modes against the gyro's station; margins of the bending filter
+    GyroLocation(gyro_location::GyroLocation),
     #[command(flatten)]
     Manual(Manual),
 }
@@ -186,9 +192,11 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             Command::ShortPeriod(c) => c.execute(&context),
             Command::Sampling(c) => c.execute(&context),
             Command::LongPeriod(c) => c.execute(&context),
+            Command::Catalogue(c) => c.execute(&context),
             Command::Failures(c) => c.execute(),
             Command::DesignGains(c) => c.execute(&context),
             Command::Sensitivity(c) => c.execute(&context),
+            Command::GyroLocation(c) => c.execute(&context),
             Command::Manual(c) => c.execute::<Cli>(),
         }
     })

@@ -5,6 +5,7 @@ use crate::study::{
     sensitivity::{
         dispersion_file::Dispersions,
         outcome::outcome,
+        pairs::pairs,
         run::{loops, run},
     },
     short_period::machine::Bench,
@@ -28,7 +29,7 @@ impl Sensitivity {
         let vehicle = self.study.vehicle()?;
         let own = self.dispersions.as_deref();
         let dispersions = own_or(own, Dispersions::load, Dispersions::shipped)?;
-        dispersions.locate(&vehicle)?;
+        let slices = dispersions.locate(&vehicle)?;
         let profile = self.study.profile()?;
         let mut begun = self.study.begin("sensitivity", &vehicle, &profile)?;
         begun.set("dispersions", dispersions.file.as_str());
@@ -38,6 +39,7 @@ impl Sensitivity {
             begun.patch("pitch-loop.toml", console.patch_hash());
             run(console, &bench, &vehicle, &dispersions, progress)
         })?;
-        outcome(&points, &dispersions).publish(&begun, self.study.machine.json)
+        outcome(&points, &dispersions, &pairs(&vehicle, &dispersions, &slices))
+            .publish(&begun, self.study.machine.json)
     }
 }

@@ -6,15 +6,20 @@ use super::{
 };
 use crate::study::short_period::{
     claims::NORMAL,
+    coefficients::Disturbance,
     control_loop::{
         Offset::{Both, LargeYaw},
         Test,
     },
+    forms,
     machine::{self, Patches},
+    offsets,
     outcome::outcome,
     plan::Plan,
+    study_file::Study,
 };
 use desk::{failure::Failure, faults::suggestion};
+use vehicle::Vehicle;
 
 /// The control loops at frozen trajectory points: step responses, failures, eigenvalues.
 ///
@@ -43,6 +48,18 @@ enum Loops {
         #[command(flatten)]
         runs: Runs,
     },
+    /// The drift form (20)-(22) and the alpha form of the pitch loop, compared
+    Forms(AllPoints),
+    /// Yaw and roll from offsets in attitude and from the corresponding offsets in rate
+    Offsets(AllPoints),
+}
+
+#[derive(clap::Args)]
+struct AllPoints {
+    #[command(flatten)]
+    points: PointsArgs,
+    #[command(flatten)]
+    study: StudyArgs,
 }
 
 #[derive(clap::Args)]
@@ -69,7 +86,43 @@ impl ShortPeriod {
                 let test = if decoupled { Test::Dedicated } else { Test::Shared };
                 runs.execute(context, "short-period yaw-roll", &[test(Both), test(LargeYaw)])
             }
+            Loops::Forms(all) => all.forms(context),
+            Loops::Offsets(all) => all.offsets(context),
         }
+    }
+}
+
+impl AllPoints {
+    fn plan(&self, vehicle: &Vehicle) -> Result<(Study, Plan), Failure> {
+        let study = self.points.load(vehicle)?;
+        let plan = Plan::new(&study, vehicle)?;
+        Ok((study, plan))
+    }
+
+    fn forms(&self, context: &Context) -> Result<(), Failure> {
+        let vehicle = self.study.vehicle()?;
+        let (study, plan) = self.plan(&vehicle)?;
+        let profile = self.study.profile()?;
+        let begun = self.study.begin("short-period forms", &vehicle, &profile)?;
+        let pitch = &study.pitch;
+        let shaken = Disturbance { misalignment: pitch.misalignment, gust: pitch.gust, cant: 0.0 };
+        let amount = (2 * plan.points.len(), "loops");
+        let apart = self.study.on_machine(context, amount, |console, progress| {
+            forms::run(console, &plan, &vehicle, &shaken, &profile, progress)
+        })?;
+        forms::outcome(&apart, plan.sample.secs()).publish(&begun, self.study.machine.json)
+    }
+
+    fn offsets(&self, context: &Context) -> Result<(), Failure> {
+        let vehicle = self.study.vehicle()?;
+        let (study, plan) = self.plan(&vehicle)?;
+        let profile = self.study.profile()?;
+        let begun = self.study.begin("short-period offsets", &vehicle, &profile)?;
+        let amount = (plan.points.len() * offsets::Offset::ALL.len(), "runs");
+        let rows = self.study.on_machine(context, amount, |console, progress| {
+            offsets::run(console, &plan, &vehicle, &study.yaw_roll, &profile, progress)
+        })?;
+        offsets::outcome(&rows).publish(&begun, self.study.machine.json)
     }
 }
 

@@ -1,8 +1,9 @@
-//! The paper's whole case study (§4) in one session: short period, long period, and
-//! sensitivities to dispersed parameters. It runs the studies after one another and composes
+//! The paper's whole case study (§4) in one session: short period, long period, tankage, the
+//! catalogue of failures, and sensitivities to dispersed parameters. It runs the studies after one another and composes
 //! what they came to; judging and drawing are their own.
 
 use super::{
+    catalogue::{self, Catalogue, CataloguePlan},
     fault::StudyFault,
     long_period::{
         self,
@@ -23,6 +24,7 @@ use super::{
         plan::Plan,
         results::Results,
     },
+    tankage::{self, Tankage},
 };
 use crate::{linkage::console::Console, report::block_diagram};
 use desk::{
@@ -39,6 +41,8 @@ pub struct CasePlan {
     pub short: Plan,
     /// The flights; their profile is that of the whole session.
     pub long: LongPeriodPlan,
+    /// The catalogue, if it is asked for; no claim needs it.
+    pub catalogue: Option<CataloguePlan>,
     /// Dispersions of the pitch loop, if they are asked for; no claim needs them.
     pub dispersions: Option<Dispersions>,
 }
@@ -47,7 +51,12 @@ impl CasePlan {
     /// Number of runs and flights.
     pub fn runs(&self) -> usize {
         let ideal = self.on_ideal().map_or(0, |(short, long)| short.cases.len() + long.flights());
-        self.short.cases.len() + self.long.flights() + sensitivity_runs(self) + ideal
+        self.short.cases.len() + self.flights() + sensitivity_runs(self) + ideal
+    }
+
+    fn flights(&self) -> usize {
+        let catalogue = self.catalogue.as_ref().map_or(0, CataloguePlan::flights);
+        self.long.flights() + tankage::flights(self.long.modes.len()) + catalogue
     }
 
     /// What is run on the ideal machine too, unless this is it: the normal condition and the modes'
@@ -76,6 +85,10 @@ pub struct CaseResults {
     pub short: Results,
     /// Long period.
     pub long: LongPeriodResults,
+    /// Tankage.
+    pub tankage: Tankage,
+    /// The catalogue of failures.
+    pub catalogue: Option<Catalogue>,
     /// Sensitivities, point by point.
     pub sensitivity: Vec<PointSensitivity>,
     /// What of them was run on the ideal machine too, unless this is it.
@@ -98,6 +111,14 @@ pub fn run(
     let stage = (plan.long.patch.root.clone(), console.patch_hash().to_owned());
     let patches = short.patches.iter().cloned().chain([stage]).collect();
     let done = done + plan.long.flights();
+    let tankage = tankage::run(console, vehicle, &plan.long, |flights| progress(done + flights))?;
+    let done = done + tankage::flights(plan.long.modes.len());
+    let flown = |flights| progress(done + flights);
+    let catalogue = match &plan.catalogue {
+        Some(wanted) => Some(catalogue::run(console, vehicle, &plan.long, wanted, flown)?),
+        None => None,
+    };
+    let done = plan.short.cases.len() + plan.flights();
     let sensitivity = match &plan.dispersions {
         Some(dispersions) => {
             let bench = Bench::pitch(console, profile)?;
@@ -118,7 +139,7 @@ pub fn run(
         }
         None => None,
     };
-    Ok(CaseResults { short, long, sensitivity, ideal, patches })
+    Ok(CaseResults { short, long, tankage, catalogue, sensitivity, ideal, patches })
 }
 
 fn sensitivity_runs(plan: &CasePlan) -> usize {
@@ -136,7 +157,7 @@ impl CaseResults {
                 of(ControlLoop::Pitch),
                 of(ControlLoop::YawRoll),
                 plan.short.points.len(),
-                plan.long.flights()
+                plan.flights()
             ),
         );
         out.section("Partition").figure(Figure::new(
@@ -146,6 +167,10 @@ impl CaseResults {
         ));
         short_period::paper::fill(&self.short, &mut out);
         long_period::outcome::fill(&self.long, plan.long.step, &mut out);
+        self.tankage.fill(&mut out);
+        if let Some(catalogue) = &self.catalogue {
+            catalogue.fill(&mut out);
+        }
         if let Some(dispersions) = &plan.dispersions {
             sensitivity::outcome::fill(&self.sensitivity, dispersions, &mut out);
         }

@@ -32,6 +32,11 @@ pub enum StudyFault {
     /// The flight that everything is measured against was lost.
     #[error("the undisturbed normal flight was lost: {0}; nothing can be compared with it")]
     NominalLost(String),
+    /// The flight with which those of the failures are compared was lost.
+    #[error(
+        "the sound vehicle was lost in the design case: {0}; no failure can be judged beside it"
+    )]
+    SoundLost(String),
     /// A flight of the plan has no answer.
     #[error("a flight of the study was lost")]
     LostFlight,

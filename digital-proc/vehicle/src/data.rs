@@ -104,6 +104,7 @@ table! { "`[tvc]`." Tvc
     side_specific_impulse_s: f64 = number_in("Isp_side", Positive), "Side specific impulse, s.";
     fluid_kg: f64 = number_in("fluid", NotNegative), "Injectant carried, kg.";
     dead_zone: DeadZone = word("dead_zone", Some(DeadZone::Remaining), &DeadZone::ALL.map(|d| (d.word(), d))), "Law of the dead zone.";
+    reserve_fraction: f64 = number_in("reserve", NotNegative), "Reserve on the fluid asked for, fraction.";
 }
 
 interface::named! {

@@ -105,6 +105,13 @@ impl FlightScript {
             actions: Vec::new(),
         }
     }
+
+    /// The same failure with its first action at `at_s`; the others keep their distance from it.
+    pub fn occurring_at(&self, at_s: f64) -> Self {
+        let first_s = self.actions.iter().map(|a| a.at_s).fold(f64::INFINITY, f64::min);
+        let later = |action: &Action| Action { at_s: at_s + (action.at_s - first_s), ..*action };
+        Self { actions: self.actions.iter().map(later).collect(), ..self.clone() }
+    }
 }
 
 /// What the control loops are set to.

@@ -4,6 +4,8 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::disallowed_methods))]
 
 pub mod bundle;
+#[cfg(feature = "runs")]
+pub mod checkpoint;
 pub mod claim;
 pub mod command_line;
 pub mod failure;

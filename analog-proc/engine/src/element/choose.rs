@@ -104,6 +104,27 @@ impl Piecewise {
         }
     }
 
+    /// The region beyond a side, of what turns a corner there and has no memory.
+    pub(crate) fn beyond(&self, region: u32, side: usize) -> Option<u32> {
+        match self {
+            // The lower side comes first; the lowest region has none.
+            Piecewise::Curve(_) => {
+                Some(if side == 0 && region > 0 { region - 1 } else { region + 1 })
+            }
+            Piecewise::DeadZone { .. } | Piecewise::Limiter { .. } => Some(match (region, side) {
+                (0, 1) | (1, 0) => 2,
+                (1, _) => 0,
+                _ => 1,
+            }),
+            // Its sides are those of the other terms in order.
+            Piecewise::Extremum { .. } => {
+                let other = side as u32;
+                Some(if other < region { other } else { other + 1 })
+            }
+            _ => None,
+        }
+    }
+
     /// Whether the region is kept: no side is positive, but for what is held.
     fn keeps(&self, e: usize, region: u32, m: &Machine, f: &Frozen, nets: &[f64]) -> bool {
         let held = m.first_side[e].map_or(&[][..], |first| &f.held[first as usize..]);

@@ -6,9 +6,10 @@
 
 use crate::op::Term;
 use crate::signal::Signal;
+use serde::{Deserialize, Serialize};
 
 /// A straight line `y = y0 + slope·(u − x0)`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Piece {
     pub x0: f64,
     pub y0: f64,

@@ -4,9 +4,10 @@
 //! value through a first-order settling where the profile has one.
 
 use crate::signal::Signal;
+use serde::{Deserialize, Serialize};
 
 /// One transfer to a channel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DacPiece {
     /// Value at `from_s`.
     pub value: f64,
@@ -26,7 +27,7 @@ impl DacPiece {
 }
 
 /// A channel's output as a function of time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hold {
     piece: DacPiece,
     /// What is left of the former value at `from_s`.

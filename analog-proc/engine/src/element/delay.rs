@@ -7,6 +7,7 @@
 //! input comes out one delay later as a stop instant, followed through
 //! [`GENERATIONS`] passes round a loop: after that, integrations have smoothed it.
 
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 use crate::op::Term;
@@ -30,7 +31,7 @@ const DIFFERENCES: f64 = 16.0;
 const SEGMENTS_A_STEP: usize = 4;
 
 /// The input over a part of a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Segment {
     t0_s: f64,
     h_s: f64,
@@ -88,7 +89,7 @@ impl Segment {
 }
 
 /// One delay line with its past.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DelayLine {
     pub input: Term,
     pub delay_s: f64,

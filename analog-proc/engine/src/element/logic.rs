@@ -3,6 +3,7 @@
 //! looks at the levels of before any of them has switched.
 
 use crate::op::Slot;
+use serde::{Deserialize, Serialize};
 
 /// One storing element and the net it drives.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +15,7 @@ pub enum Store {
 }
 
 /// An edge on an interrupt line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Edge {
     /// Line.
     pub line: u32,

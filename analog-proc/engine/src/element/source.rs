@@ -4,6 +4,7 @@
 //! by a timer; ramp and sine are evaluated in the pass, after their start.
 
 use interface::deviate::Normal;
+use serde::{Deserialize, Serialize};
 
 use crate::signal::Signal;
 
@@ -141,7 +142,7 @@ impl Timer {
 }
 
 /// A seeded source of normal deviates.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Noise {
     sigma: f64,
     deviates: Normal,

@@ -5,6 +5,7 @@
 //! Equations I, section II.6.
 
 use super::{Step, System};
+use serde::{Deserialize, Serialize};
 
 const C2: f64 = 1.0 / 5.0;
 const C3: f64 = 3.0 / 10.0;
@@ -43,7 +44,7 @@ const D5: f64 = 701_980_252_875.0 / 199_316_789_632.0;
 const D6: f64 = -1_453_857_185.0 / 822_651_844.0;
 const D7: f64 = 69_997_945.0 / 29_380_423.0;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct DormandPrince {
     k2: Vec<f64>,
     k3: Vec<f64>,

@@ -17,6 +17,7 @@ mod sdirk4;
 use crate::integration::Method;
 use crate::machine::{Frozen, Machine};
 use crate::signal::Signal;
+use serde::{Deserialize, Serialize};
 
 /// Right-hand side with everything frozen that changes only at events.
 #[derive(Clone, Copy)]
@@ -29,7 +30,7 @@ pub(crate) struct System<'a> {
 }
 
 /// One step: its ends, and the polynomial between them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Step {
     pub t0_s: f64,
     pub h_s: f64,
@@ -98,7 +99,7 @@ impl Step {
 }
 
 /// A method with its working storage.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Scheme {
     DormandPrince(dormand_prince::DormandPrince),
     RungeKutta4(runge_kutta4::RungeKutta4),

@@ -1,8 +1,9 @@
 //! The classical Runge–Kutta method of order four, fixed steps.
 
 use super::{Step, System};
+use serde::{Deserialize, Serialize};
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct RungeKutta4 {
     k2: Vec<f64>,
     k3: Vec<f64>,

@@ -8,6 +8,7 @@
 //! Factorising allocates; nothing else does.
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
+use serde::{Deserialize, Serialize};
 
 use super::jacobian::jacobian;
 use super::{Step, System};
@@ -36,7 +37,8 @@ const TOO_GREAT: f64 = 4.0;
 /// … where its parts do not cancel: what is left of those may be its curvature.
 const LEAST_SUM: f64 = 0.5;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Kept", into = "Kept")]
 pub(crate) struct Sdirk4 {
     k: [Vec<f64>; STAGES],
     base: Vec<f64>,
@@ -45,6 +47,42 @@ pub(crate) struct Sdirk4 {
     jacobian: DMatrix<f64>,
     fresh: bool,
     lu: Option<(f64, LU<f64, Dyn, Dyn>)>,
+}
+
+/// What outlives a step: the rest is room.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    states: usize,
+    jacobian: Vec<f64>,
+    fresh: bool,
+    /// The step whose matrix is factored, s.
+    factored_s: Option<f64>,
+}
+
+impl From<Sdirk4> for Kept {
+    fn from(method: Sdirk4) -> Kept {
+        let Sdirk4 { jacobian, fresh, lu, .. } = method;
+        let (states, factored_s) = (jacobian.nrows(), lu.map(|lu| lu.0));
+        Kept { states, jacobian: jacobian.as_slice().to_vec(), fresh, factored_s }
+    }
+}
+
+impl TryFrom<Kept> for Sdirk4 {
+    type Error = &'static str;
+
+    fn try_from(kept: Kept) -> Result<Sdirk4, &'static str> {
+        let Kept { states, jacobian, fresh, factored_s } = kept;
+        if states.checked_mul(states) != Some(jacobian.len()) {
+            return Err("a Jacobian that is not square");
+        }
+        let mut method = Sdirk4::new(states);
+        method.jacobian.copy_from_slice(&jacobian);
+        method.fresh = fresh;
+        if let Some(h) = factored_s {
+            method.factor(h);
+        }
+        Ok(method)
+    }
 }
 
 impl Sdirk4 {
@@ -76,11 +114,7 @@ impl Sdirk4 {
         }
         let h = step.h_s;
         if self.lu.as_ref().is_none_or(|lu| lu.0 != h) {
-            let mut matrix = &self.jacobian * (-h * GAMMA);
-            for i in 0..n {
-                matrix[(i, i)] += 1.0;
-            }
-            self.lu = Some((h, matrix.lu()));
+            self.factor(h);
         }
         let mut slow = false;
         for stage in 0..STAGES {
@@ -125,6 +159,15 @@ impl Sdirk4 {
         }
         let residual = &self.residual;
         step.norm(&system, |i| residual[i])
+    }
+
+    /// Factors the matrix of the stages of a step of `h` seconds.
+    fn factor(&mut self, h: f64) {
+        let mut matrix = &self.jacobian * (-h * GAMMA);
+        for i in 0..matrix.nrows() {
+            matrix[(i, i)] += 1.0;
+        }
+        self.lu = Some((h, matrix.lu()));
     }
 
     /// What the Jacobian makes of the step in the rate of state `i`, and of what parts; `None` where

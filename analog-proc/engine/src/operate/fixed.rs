@@ -7,6 +7,7 @@
 //! refuses to alter a step, and to tell of a pulse that no step has met.
 
 use crate::integrate::{Scheme, Step};
+use serde::{Deserialize, Serialize};
 
 /// The estimate is told from this part of a state's greatest magnitude on: three digits.
 const POOR: f64 = 1e-3;
@@ -18,7 +19,7 @@ const PAIRED: f64 = 1.0 / 30.0;
 const MOST_UNEQUAL: f64 = 8.0;
 
 /// The estimate, and the step before.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FixedSteps {
     /// Sum of the errors of each state.
     errors: Vec<f64>,

@@ -4,6 +4,7 @@
 use super::Engine;
 use super::instants::{LEAST_TIME_S, resolution_s};
 use crate::fault::RunFault;
+use serde::{Deserialize, Serialize};
 
 /// This many events within [`CHATTER_SPAN`] are chatter: a bouncing ball that loses a
 /// fifth of its speed each time comes from one second to rounding in 160 bounces.
@@ -25,7 +26,7 @@ const ZENO_SPAN: f64 = 1e-6;
 const ZENO_START: f64 = 64.0;
 
 /// When an element was last left from its first region, and how its switchings follow one another.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Switched {
     at_s: f64,
     interval_s: f64,

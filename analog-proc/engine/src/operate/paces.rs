@@ -3,11 +3,14 @@
 use crate::element::delay::DelayLine;
 use crate::machine::Machine;
 use crate::signal::Rated;
+use serde::{Deserialize, Serialize};
 
 /// What is known of them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Paces {
-    /// The greatest magnitude of each divisor, radicand or vector so far.
+    /// The magnitude of each divisor, radicand or vector at the start of the step, and the greatest
+    /// so far.
+    sizes: Vec<f64>,
     largest: Vec<f64>,
     /// The longest step from here, s, and what bounds it.
     pub limit_s: f64,
@@ -16,18 +19,25 @@ pub(crate) struct Paces {
 
 impl Paces {
     pub fn new(machine: &Machine) -> Paces {
-        Paces { largest: vec![0.0; machine.paces.len()], limit_s: f64::INFINITY, bounded_by: 0 }
+        let zeros = || vec![0.0; machine.paces.len()];
+        Paces { sizes: zeros(), largest: zeros(), limit_s: f64::INFINITY, bounded_by: 0 }
     }
 
     pub fn reset(&mut self) {
         self.largest.fill(0.0);
     }
 
+    /// Whether vector `i` was at its origin at the start of the step.
+    pub fn began_at_origin(&self, i: usize) -> bool {
+        self.sizes[i] == 0.0
+    }
+
     /// Finds the longest step from `t_s`.
     pub fn look(&mut self, machine: &Machine, lines: &[DelayLine], t_s: f64, nets: &[Rated]) {
         self.limit_s = f64::INFINITY;
         for (i, (pace, _)) in machine.paces.iter().enumerate() {
-            self.largest[i] = self.largest[i].max(pace.size(nets));
+            self.sizes[i] = pace.size(nets);
+            self.largest[i] = self.largest[i].max(self.sizes[i]);
             let limit_s = pace.limit_s(lines, t_s, nets, self.largest[i]);
             // What does not move has no bound, even where it is not defined.
             if limit_s < self.limit_s {

@@ -10,6 +10,7 @@ use crate::element::pace::Pace;
 use crate::element::piecewise::{LEFT_DOWNWARD, LOWER_SHEET, Piecewise};
 use crate::machine::Machine;
 use crate::signal::{Doubted, Rated, Signal};
+use serde::{Deserialize, Serialize};
 
 /// A side that the present region has not; finite, so that differences of it are numbers.
 const ABSENT: f64 = -1e300;
@@ -23,8 +24,13 @@ const NEAR: f64 = 1e-9;
 /// How far an angle may go on beyond the cut for rounding, rad.
 const MOST_BEYOND: f64 = 1e-9;
 
+/// Whether a vector is at its origin and does not stay there.
+fn is_passing(y: Rated, x: Rated) -> bool {
+    y.value == 0.0 && x.value == 0.0 && (y.rate != 0.0 || x.rate != 0.0)
+}
+
 /// The sides of all watched regions at one instant of a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Node {
     /// Its place in the step, 0 to 1.
     pub theta: f64,
@@ -86,6 +92,61 @@ impl Engine {
         }
     }
 
+    /// After settling: where a vector is zero and moves, what stands exactly at its corner and moves
+    /// beyond has left it, so that the rates are those of the instants that follow. Whether anything
+    /// has.
+    pub(super) fn leave_corners(&mut self) -> bool {
+        let leaves = |(pace, _): &(Pace, _)| match *pace {
+            Pace::Direction { y, x, .. } => {
+                let (y, x): (Rated, Rated) = (y.of(&self.rated_start), x.of(&self.rated_start));
+                is_passing(y, x)
+            }
+            _ => false,
+        };
+        if !self.machine.paces.iter().any(leaves) {
+            return false;
+        }
+        let mut left = None;
+        let sides = self.nodes[START].sides.iter().zip(&self.machine.element_of_side).enumerate();
+        for (i, (side, &e)) in sides {
+            let element = self.machine.elements[e as usize].1;
+            let first = self.machine.first_side[e as usize].unwrap_or(i as u32);
+            let region = &mut self.frozen.region[e as usize];
+            if left != Some(e)
+                && side.value == 0.0
+                && side.rate > 0.0
+                && let Some(beyond) = element.beyond(*region, i - first as usize)
+            {
+                *region = beyond;
+                if let Piecewise::Curve(curve) = element {
+                    self.frozen.piece[e as usize] = curve.piece(beyond, &self.frozen.pieces);
+                }
+                left = Some(e);
+            }
+        }
+        left.is_some()
+    }
+
+    /// Within a step: a vector that comes to its origin has there the angle that it comes with; an
+    /// event tells to which it leaves. Whether that changes an angle.
+    fn arrive_at_origin(&mut self) -> bool {
+        let mut changed = false;
+        for (i, (pace, _)) in self.machine.paces.iter().enumerate() {
+            let Pace::Direction { e, y, x } = *pace else {
+                continue;
+            };
+            let (y, x): (Rated, Rated) = (y.of(&self.rated), x.of(&self.rated));
+            if is_passing(y, x) && !self.paces.began_at_origin(i) {
+                let sheet = self.frozen.region[e as usize];
+                let angle = f64::angle(-y.rate, -x.rate, sheet);
+                let place = &mut self.frozen.piece[e as usize].y0;
+                changed |= *place != angle;
+                *place = angle;
+            }
+        }
+        changed
+    }
+
     /// After settling: a vector that is zero has the angle to which it leaves, and its sheet; zero,
     /// if it does not move. Whether that changes an angle.
     pub(super) fn turn_vectors(&mut self) -> bool {
@@ -124,7 +185,16 @@ impl Engine {
         for (rated, (y, f)) in self.rated.iter_mut().zip(ends) {
             *rated = Rated { value: *y, rate: *f };
         }
-        self.rate_nets(self.step.t0_s + self.step.h_s);
+        let end_s = self.step.t0_s + self.step.h_s;
+        self.rate_nets(end_s);
+        if self.arrive_at_origin() {
+            self.machine.derivatives(&self.frozen, end_s, &mut self.nets, &mut self.step.f1);
+            self.step.evaluations += 1;
+            for (rated, f) in self.rated.iter_mut().zip(&self.step.f1) {
+                rated.rate = *f;
+            }
+            self.rate_nets(end_s);
+        }
     }
 
     /// Brings `rated` to the place `theta` of the step.
@@ -132,7 +202,11 @@ impl Engine {
         let moving = Rated { value: theta, rate: 1.0 / self.step.h_s };
         self.step.dense(moving, &mut self.rated);
         self.step.evaluations += 1;
-        self.rate_nets(self.step.t0_s + theta * self.step.h_s);
+        let t_s = self.step.t0_s + theta * self.step.h_s;
+        self.rate_nets(t_s);
+        if self.arrive_at_origin() {
+            self.rate_nets(t_s);
+        }
     }
 
     /// The sides of what `rated` holds, into a node at `theta`.

@@ -3,6 +3,7 @@
 
 use super::{
     claims::{DEPARTURES, FIGURE_8, LOADS, MODES, Q_ALPHA, judge},
+    moment,
     results::{Departure, Flown, LongPeriodResults, ModeResult},
 };
 use crate::{
@@ -70,9 +71,12 @@ pub fn fill(results: &LongPeriodResults, step: Tick, out: &mut Outcome) {
             }),
         )
         .long_table("flights", "Every flight at burn-out.", flight_table(results));
+    moment::fill(results, out);
     range_safety(results, out);
     schedules(results, out);
-    fuel(results, out);
+    let undisturbed_kg = results.nominal.injectant_kg;
+    let label = "Side-force fluid, undisturbed";
+    out.results.add("fluid_undisturbed_kg", label, undisturbed_kg, 3, "kg", "");
     for (mode, flown) in results.modes.iter().flat_map(|m| m.all_flights().map(move |f| (m, f))) {
         if let Err(lost) = &flown.ended {
             out.remarks.push(format!(
@@ -133,31 +137,6 @@ fn range_safety(results: &LongPeriodResults, out: &mut Outcome) {
             "Lateral trajectory at burn-out, and the impact point of every mode; 100 % of its corridor is the edge.",
             Table::of(&columns, &results.modes),
         );
-}
-
-/// The fuel sentence (objective v).
-fn fuel(results: &LongPeriodResults, out: &mut Outcome) {
-    let nominal_kg = results.nominal.injectant_kg;
-    out.results.add(
-        "fluid_undisturbed_kg",
-        "Side-force fluid, undisturbed",
-        nominal_kg,
-        3,
-        "kg",
-        "",
-    );
-    let Some((mode, flown, worst_kg)) = results.worst_fuel() else {
-        out.remarks.push("no flight reached burn-out".to_owned());
-        return;
-    };
-    let at = format!(
-        "of {:.0} kg carried ({}, {}, misalignment {:+} × 3σ in pitch)",
-        results.carried_kg,
-        mode.name,
-        flown.wind.words(),
-        flown.misalignment[0]
-    );
-    out.results.add("fluid_worst_kg", "Side-force fluid, worst case", worst_kg, 3, "kg", at);
 }
 
 /// A mode with what it is held against.

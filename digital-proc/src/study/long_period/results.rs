@@ -1,9 +1,11 @@
 //! What a long-period study comes to: a row a mode, with all its flights.
 
+use crate::study::bending_moment::BendingMoments;
 use vehicle::{
     RangeSafety, ScheduleData, Vehicle,
     flight_mode::{FlightScript, Schedule},
     flight_summary::{FlightSample, FlightSummary},
+    structure::StructureError,
     table::TableError,
     wind::Wind,
 };
@@ -58,6 +60,8 @@ pub struct Flown {
     pub misalignment: [f64; 2],
     /// The flight in short, or why it was lost.
     pub ended: Result<FlightSummary, String>,
+    /// Its bending moments, of a flight that is shown: the undisturbed one and the design cases.
+    pub moments: Option<Result<BendingMoments<2>, StructureError>>,
 }
 
 impl Flown {
@@ -200,6 +204,8 @@ pub struct LongPeriodResults {
     /// What is accepted.
     pub accept: Acceptance,
     /// The undisturbed normal flight.
+    pub undisturbed: Flown,
+    /// What it came to.
     pub nominal: FlightSummary,
     /// Its samples.
     pub nominal_history: Vec<FlightSample>,
@@ -211,8 +217,6 @@ pub struct LongPeriodResults {
     pub designed: ScheduleData,
     /// The schedule with fewer switchings (figure 8).
     pub reduced: ScheduleData,
-    /// Side-force fluid carried, kg.
-    pub carried_kg: f64,
     /// Where the vehicle may come down.
     pub range_safety: RangeSafety,
 }
@@ -230,13 +234,5 @@ impl LongPeriodResults {
     /// The largest part of that departure over what is accepted; infinite where there is none.
     pub(super) fn severity(&self, flown: &Flown) -> f64 {
         self.departure(flown).map_or(f64::INFINITY, |d| d.severity(&self.accept))
-    }
-
-    /// The flight with the greatest use of side-force fluid (objective v), in kg, among all that
-    /// were flown, with its mode; yaw misalignment is nominal in all of them.
-    pub fn worst_fuel(&self) -> Option<(&ModeResult, &Flown, f64)> {
-        let all = self.modes.iter().flat_map(|mode| mode.flights().map(move |f| (mode, f)));
-        let all = all.filter_map(|(mode, f)| Some((mode, f, f.ended.as_ref().ok()?.injectant_kg)));
-        all.max_by(|a, b| a.2.total_cmp(&b.2))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{
     dispersion_file::Dispersions,
+    pairs::{self, Pair},
     run::{Measure, PointSensitivity},
 };
 use crate::study::gain_design::criteria::{self, LoopQuality};
@@ -14,7 +15,7 @@ use desk::{
 };
 
 /// What `sensitivity` came to.
-pub fn outcome(points: &[PointSensitivity], dispersions: &Dispersions) -> Outcome {
+pub fn outcome(points: &[PointSensitivity], dispersions: &Dispersions, pairs: &[Pair]) -> Outcome {
     let mut out = Outcome::new(
         "Sensitivity of the pitch loop",
         "Dispersions one at a time and at the corners, measured on the patched pitch loop at frozen trajectory points, with linear eigenvalues beside.",
@@ -23,13 +24,19 @@ pub fn outcome(points: &[PointSensitivity], dispersions: &Dispersions) -> Outcom
         ranking(points, measure, "Ranking", &mut out);
     }
     for point in points {
-        for measure in [Measure::OVERSHOOT, Measure::BENDING_LEFT] {
+        for measure in [
+            Measure::OVERSHOOT,
+            Measure::BENDING_LEFT,
+            Measure::ATTITUDE_DAMPING,
+            Measure::BENDING_DAMPING,
+        ] {
             // A loop that never overshoots shows nothing to rank.
             if point.widest_span(measure) != 0.0 {
                 out.section("One at a time").figure(tornado_of(point, measure));
             }
         }
     }
+    pairs::fill(pairs, &mut out);
     corners(points, dispersions, "Corners", &mut out);
     out
 }

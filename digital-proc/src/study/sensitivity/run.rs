@@ -202,7 +202,8 @@ pub fn loops(dispersions: &Dispersions) -> usize {
     dispersions.points.len() * (1 + 2 * dispersions.all.len() + CORNERS_RUN)
 }
 
-fn dampings(point: &FrozenPoint) -> (Option<f64>, f64) {
+/// Damping ratio of the attitude with both channels linear, and the least of the bending mode.
+pub(super) fn dampings(point: &FrozenPoint) -> (Option<f64>, f64) {
     let plane = Plane::new(point, &Disturbance::NONE);
     let attitude = plane_roots(&plane, ChannelGains::BOTH).attitude;
     (attitude.map(|r| r.damping()), least_bending_damping(&plane))

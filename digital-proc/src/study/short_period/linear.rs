@@ -50,19 +50,24 @@ impl Root {
     }
 }
 
+/// States of a plane, as [`plane_matrix`] has them.
+pub(crate) mod state {
+    pub const DRIFT: usize = 0;
+    pub const THETA: usize = 1;
+    pub const RATE: usize = 2;
+    pub const TIP: usize = 3;
+    pub const TVC: usize = 4;
+    pub const GYRO: usize = 5;
+    pub const GYRO_SLOPE: usize = 6;
+    pub const ETA: usize = 7;
+    pub const ETA_RATE: usize = 8;
+    pub const FILTERED: usize = 9;
+}
+use state::{DRIFT, ETA, ETA_RATE, FILTERED, GYRO, GYRO_SLOPE, RATE, THETA, TIP, TVC};
+
 /// State matrix of a plane, states: drift rate, θ, θ̇, δ, F_T, gyro rate, gyro
 /// slope, η, η̇, filtered error; shape `[10][10]`.
 pub fn plane_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 10> {
-    const DRIFT: usize = 0;
-    const THETA: usize = 1;
-    const RATE: usize = 2;
-    const TIP: usize = 3;
-    const TVC: usize = 4;
-    const GYRO: usize = 5;
-    const GYRO_SLOPE: usize = 6;
-    const ETA: usize = 7;
-    const ETA_RATE: usize = 8;
-    const FILTERED: usize = 9;
     let mut a = SMatrix::<f64, 10, 10>::zeros();
     a[(DRIFT, DRIFT)] = -plane.normal_pull * plane.inverse_speed;
     a[(DRIFT, THETA)] = -plane.thrust_pull - plane.normal_pull;
@@ -113,8 +118,6 @@ pub fn step_response(
 
 /// The state matrix with the command's column appended; shape `[10][11]`.
 pub fn driven_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 11> {
-    const TVC: usize = 4;
-    const FILTERED: usize = 9;
     let mut driven = SMatrix::<f64, 10, 11>::zeros();
     driven.fixed_view_mut::<10, 10>(0, 0).copy_from(&plane_matrix(plane, gains));
     driven[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
@@ -129,8 +132,6 @@ pub fn driven_response(
     sample_s: f64,
     samples: usize,
 ) -> Vec<[f64; 2]> {
-    const THETA: usize = 1;
-    const ETA: usize = 7;
     let mut augmented = DMatrix::zeros(11, 11);
     augmented.view_mut((0, 0), (10, 11)).copy_from(driven);
     let advance = matrix_exp(&(augmented * sample_s));
@@ -147,13 +148,17 @@ pub fn driven_response(
 /// Eigenvalues, by increasing natural frequency, the positive imaginary part of a pair
 /// first. Empty if the matrix has a non-finite entry or the QR iteration gives up.
 pub fn roots<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Root> {
+    roots_of(DMatrix::from_column_slice(N, N, matrix.as_slice()))
+}
+
+/// [`roots`] of a matrix of any order.
+pub fn roots_of(matrix: DMatrix<f64>) -> Vec<Root> {
     if matrix.iter().any(|v| !v.is_finite()) {
         return Vec::new();
     }
     // Bounded, so that no matrix can keep the iteration going for ever.
     const ITERATIONS: usize = 10_000;
-    let dynamic = DMatrix::from_column_slice(N, N, matrix.as_slice());
-    let Some(schur) = dynamic.try_schur(f64::EPSILON, ITERATIONS) else {
+    let Some(schur) = matrix.try_schur(f64::EPSILON, ITERATIONS) else {
         return Vec::new();
     };
     let mut roots: Vec<Root> =

@@ -5,7 +5,7 @@
 //! a fixed fine step. It shares nothing with the analog processor but the
 //! coefficients. It locates no switching instants: at a step h across a corner of
 //! a dead zone or a limiter the error is O(h²) once, which the fine step makes
-//! small. It is no substitute for the machine and no study runs on it.
+//! small. It is no substitute for the machine: what it answers is only held against the machine's.
 
 use super::coefficients::{Plane, Settings};
 use super::control_loop::{ControlLoop, Response};

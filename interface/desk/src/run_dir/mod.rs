@@ -27,7 +27,7 @@ pub use error::RunDirError;
 pub use export::write_csv;
 pub use list::{RunEntry, RunState, list_runs, resolve};
 pub use record::{PatchIdentity, RunRecord, Seed};
-pub use trace::{Column, TraceWriter};
+pub use trace::{Column, TraceState, TraceWriter};
 pub use trace_reader::Trace;
 pub use utc::UtcSecond;
 

@@ -6,6 +6,7 @@
 //! of its halves, this loses nothing that reading it in one go would have kept.
 
 /// Rows kept so far, column by column.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Rows {
     pub ticks: Vec<i64>,
     pub values: Vec<Vec<f64>>,

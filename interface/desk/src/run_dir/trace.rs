@@ -6,6 +6,7 @@
 //! failure may cost more than the last batch) and it never changes the columns of a trace.
 
 use std::collections::{BTreeSet, HashMap};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,8 +15,10 @@ use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch};
 use arrow_ipc::writer::StreamWriter;
 use arrow_schema::{ArrowError, DataType, Field, Schema};
 use interface::Tick;
+use serde::{Deserialize, Serialize};
 
 use super::RunDirError;
+use crate::checkpoint::Seam;
 
 /// Name of the column that holds problem time, integer nanoseconds.
 pub(super) const TICK_COLUMN: &str = "tick";
@@ -52,6 +55,39 @@ pub struct TraceWriter<W: Write> {
     ended: bool,
 }
 
+/// Where a trace stands at a checkpoint: its file, and the rows that are not in it yet.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct TraceState {
+    seam: Seam,
+    ticks: Vec<i64>,
+    columns: Vec<Vec<f64>>,
+    rows: u64,
+}
+
+impl TraceWriter<File> {
+    /// Where it stands, from which [`TraceWriter::resume`] goes on.
+    pub fn state(&self) -> Result<TraceState, RunDirError> {
+        let seam = Seam::at_end(&self.sink, &self.path)?;
+        let (ticks, columns) = (self.ticks.clone(), self.columns.clone());
+        Ok(TraceState { seam, ticks, columns, rows: self.rows })
+    }
+
+    /// Goes on with the trace at `path` where it stood, in the same bytes as if it had never ended.
+    pub fn resume(
+        path: &Path,
+        columns: &[Column],
+        rows_per_batch: usize,
+        state: TraceState,
+    ) -> Result<TraceWriter<File>, RunDirError> {
+        let mut writer =
+            TraceWriter::begun(path, columns, rows_per_batch, |path| state.seam.reopen(path))?;
+        // The file has its head already.
+        writer.encoder.get_mut().clear();
+        (writer.ticks, writer.columns, writer.rows) = (state.ticks, state.columns, state.rows);
+        Ok(writer)
+    }
+}
+
 impl<W: Write> TraceWriter<W> {
     /// Starts a trace on `sink`; `path` serves messages only. `rows_per_batch` (at least 1)
     /// is what a crash may cost: 64 is a good start for 10 to 1000 rows a second.
@@ -60,6 +96,18 @@ impl<W: Write> TraceWriter<W> {
         path: &Path,
         columns: &[Column],
         rows_per_batch: usize,
+    ) -> Result<TraceWriter<W>, RunDirError> {
+        let mut writer = TraceWriter::begun(path, columns, rows_per_batch, |_| Ok(sink))?;
+        writer.hand_over()?;
+        Ok(writer)
+    }
+
+    /// A trace whose head is not handed over yet.
+    fn begun(
+        path: &Path,
+        columns: &[Column],
+        rows_per_batch: usize,
+        sink: impl FnOnce(&Path) -> Result<W, RunDirError>,
     ) -> Result<TraceWriter<W>, RunDirError> {
         let mut seen = BTreeSet::from([TICK_COLUMN]);
         if let Some(twice) = columns.iter().find(|c| !seen.insert(&c.name)) {
@@ -80,8 +128,8 @@ impl<W: Write> TraceWriter<W> {
         let encoder =
             StreamWriter::try_new(Vec::new(), &schema).map_err(|cause| arrow(path, cause))?;
         let rows_per_batch = rows_per_batch.max(1);
-        let mut writer = TraceWriter {
-            sink,
+        Ok(TraceWriter {
+            sink: sink(path)?,
             path: path.to_owned(),
             schema,
             encoder,
@@ -90,9 +138,7 @@ impl<W: Write> TraceWriter<W> {
             rows_per_batch,
             rows: 0,
             ended: false,
-        };
-        writer.hand_over()?;
-        Ok(writer)
+        })
     }
 
     /// Adds a row: `values[i]` belongs to column `i`. NaN marks a value that does not exist.

@@ -6,6 +6,7 @@
 //! chart with nothing to draw says so in its frame.
 
 mod axis;
+mod category_map;
 mod chart;
 mod compared;
 mod curve;
@@ -18,6 +19,7 @@ mod pen;
 mod tornado;
 
 pub use axis::{Axis, Scale};
+pub use category_map::{CategoryMap, category_map};
 pub use chart::{Draw, Limit, LineChart, Series, Size};
 pub use compared::{Compared, measured_vs_theory};
 pub use heat_map::{HeatCell, HeatMap, heat_map};
