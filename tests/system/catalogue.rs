@@ -79,8 +79,8 @@ fn each_limit_of_the_data_set_decides() {
         [tip.2.clone(), electronics.2.clone()]
     };
     assert_eq!(of(&Vehicle::shipped().unwrap()), ["salvageable", "load"]);
-    // Tip 4 dead pushes the impact point to 76 % of its corridor, the electronics to 74 %.
-    let narrow = changed(|data| data.range_safety.opening_deg = 3.0);
+    // Tip 4 dead pushes the impact point to 48 % of its corridor, the electronics to 75 %.
+    let narrow = changed(|data| data.range_safety.opening_deg = 1.5);
     assert_eq!(of(&narrow), ["range safety", "range safety"]);
     let pointed = changed(|data| data.range_safety.control_lost_deg = 1.0);
     assert_eq!(of(&pointed), ["range safety", "range safety"]);
