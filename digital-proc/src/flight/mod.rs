@@ -178,7 +178,9 @@ impl Stage {
         let channels = self.channels.clone();
         let law = FlightLaw::new(vehicle, &plan.case, channels, plan.alpha, (plan.slow, plan.step));
         let incidence = law.initial_incidence_rad();
-        console.set_ics(vec![("alpha_int".to_owned(), incidence)])?;
+        let roll_rad = plan.case.roll_drift.initial_rad;
+        let ics = [("alpha_int", incidence), ("phi", roll_rad)];
+        console.set_ics(ics.map(|(name, value)| (name.to_owned(), value)).into())?;
         preset(console, law.clone(), incidence, vehicle)?;
 
         let spec = RunSpec {

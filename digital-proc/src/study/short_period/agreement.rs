@@ -21,7 +21,7 @@ use super::linear::{
 };
 use super::metrics::{Oscillation, Window, envelope, oscillation};
 use super::plan::{Case, Plan};
-use nalgebra::SMatrix;
+use nalgebra::DMatrix;
 
 /// Largest accepted difference from the matrix exponential, as a fraction of the step
 /// in attitude and of its greatest value in bending. The patch integrates to 1e-7 of
@@ -136,16 +136,12 @@ impl Agreement {
 
 /// The linear loops that the machine's errors make of one, one error at a time, each of one standard
 /// deviation: a √3rd of a bound within which it lies evenly.
-fn neighbours(
-    settings: &Settings,
-    gains: ChannelGains,
-    inexact: &Inexact,
-) -> Vec<SMatrix<f64, 10, 11>> {
+fn neighbours(settings: &Settings, gains: ChannelGains, inexact: &Inexact) -> Vec<DMatrix<f64>> {
     let nominal = driven_matrix(&settings.plane, gains);
     let mut all = Vec::new();
     if inexact.component_error > 0.0 {
         for i in (0..nominal.len()).filter(|&i| nominal[i] != 0.0) {
-            let mut off = nominal;
+            let mut off = nominal.clone();
             off[i] *= 1.0 + (INPUTS_ON_THE_WAY / 3.0).sqrt() * inexact.component_error;
             all.push(off);
         }
@@ -176,7 +172,7 @@ fn response_within(
     inexact: &Inexact,
 ) -> [f64; 2] {
     let (step, sample_s) = (settings.command_rad, response.sample_s);
-    let of = |driven: &SMatrix<f64, 10, 11>| {
+    let of = |driven: &DMatrix<f64>| {
         driven_response(driven, step, sample_s, response.len().saturating_sub(1))
     };
     let exact = of(&driven_matrix(&settings.plane, gains));
@@ -208,8 +204,9 @@ fn decay_within(
 ) -> [f64; 2] {
     let mut squares = [0.0; 2];
     for neighbour in neighbours(settings, gains, inexact) {
-        let matrix = neighbour.fixed_view::<10, 10>(0, 0).into_owned();
-        if let Some(off) = matrix_roots(&matrix, root.frequency_radps()).bending {
+        let states = neighbour.nrows();
+        let matrix = neighbour.columns(0, states).into_owned();
+        if let Some(off) = matrix_roots(&settings.plane, matrix).bending {
             let parts = [
                 off.frequency_radps() / root.frequency_radps() - 1.0,
                 off.damping() / root.damping() - 1.0,

@@ -8,6 +8,7 @@
 
 use super::coefficients::{Disturbance, Offsets, Settings};
 use super::control_loop::{ControlLoop, Offset, Test};
+use super::higher_modes::of_a_loop;
 use super::moment;
 use super::places::{gyro_stations, locate_all};
 use super::point::FrozenPoint;
@@ -32,6 +33,8 @@ pub struct Plan {
     pub yaw_rad: f64,
     /// What the vehicle may take.
     pub limits: Limits,
+    /// Bending modes in the pitch loop.
+    pub modes: usize,
     /// The points in the study's order.
     pub points: Vec<PlannedPoint>,
     /// The conditions in the study's order.
@@ -92,6 +95,7 @@ impl Plan {
                 path_angle_rad: vehicle.data().long_period_case.accept_dgam_deg.to_radians(),
             },
             yaw_rad: study.yaw_roll.yaw_deg.to_radians().abs(),
+            modes: study.pitch.modes as usize,
             points: slices.into_iter().map(named).collect(),
             conditions: study.conditions.clone(),
             left_out: study.left_out.clone(),
@@ -159,8 +163,9 @@ impl Plan {
                         (Test::Dedicated(offset), asked && entry.dedicated),
                     ]
                 });
+                let gyro_x_m = entry.gyro.map_or(vehicle.data().bending.gyro_x_m, |(x_m, _)| x_m);
                 for (test, _) in pitch.into_iter().chain(offsets).filter(|(_, asked)| *asked) {
-                    let settings = match test {
+                    let mut settings = match test {
                         Test::Disturbed => Settings::pitch(&frozen, &shaken, step_rad),
                         Test::StepOnly => Settings::pitch(&frozen, &Disturbance::NONE, step_rad),
                         Test::Shared(offset) => {
@@ -170,6 +175,9 @@ impl Plan {
                             Settings::yaw_roll(&frozen, &yaw_roll, initial(offset), true)
                         }
                     };
+                    if test.control_loop() == ControlLoop::Pitch {
+                        settings.plane.higher = of_a_loop(vehicle, &frozen, gyro_x_m, self.modes);
+                    }
                     cases.push(Case { point, condition, test, frozen, settings });
                 }
             }

@@ -190,8 +190,8 @@ fn literally(results: &Results) -> String {
         return String::new();
     }
     format!(
-        "; read literally (0.1 → 0.005 s) it is no such failure: θ ripples by {} of the step at most, and what grows is the bending mode, which the paper sees attenuate, at {}",
-        theta.percent(),
+        "; read literally (0.1 → 0.005 s) it is no such failure: θ ripples by at most {}, and what grows is the bending mode, which the paper sees attenuate, at {}",
+        theta.text(|v| format!("{:.1} % of the step", 100.0 * v)),
         growing.join(", ")
     )
 }
