@@ -198,6 +198,7 @@ impl<'v> FlightLaw<'v> {
             (dac.a_misalign_p, self.case.pitch_misalignment * per_inertia),
             (dac.a_misalign_y, self.case.yaw_misalignment * per_inertia),
             (dac.a_cant, airframe.fin_cant_moment_nm / airframe.roll_inertia_kgm2),
+            (dac.roll_reference, self.case.roll_drift.reference_rad(time_s)),
         ] {
             updates.set_dac(channel, value);
         }
@@ -211,6 +212,7 @@ impl<'v> FlightLaw<'v> {
             (dcu.u_yaw, u_yaw),
             (dcu.lead_phi, self.settings.roll_lead_s),
             (dcu.u_roll, self.settings.roll_gain),
+            (dcu.dead_zone_yield, gains.dead_zone_yield),
             (dcu.lead_t_p, gains.tvc_lead_s),
             (dcu.lead_t_y, gains.tvc_lead_s),
             (dcu.demand_p, demand_p),
@@ -219,6 +221,7 @@ impl<'v> FlightLaw<'v> {
             updates.set_dcu(channel, value);
         }
         updates.set_control(self.channels.line.redundant, redundant);
+        updates.set_control(self.channels.line.resolved, self.case.roll_drift.resolved);
         Ok(())
     }
 

@@ -218,7 +218,9 @@ impl Stage {
         let from = match keeping.from {
             None => {
                 let incidence = law.initial_incidence_rad();
-                console.set_ics(vec![("alpha_int".to_owned(), incidence)])?;
+                let roll_rad = plan.case.roll_drift.initial_rad;
+                let ics = [("alpha_int", incidence), ("phi", roll_rad)];
+                console.set_ics(ics.map(|(name, value)| (name.to_owned(), value)).into())?;
                 preset(console, law.clone(), incidence, vehicle)?;
                 None
             }

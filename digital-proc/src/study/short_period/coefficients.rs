@@ -4,6 +4,7 @@
 //! loops and the reference integration, so that all three are about one model. Yaw is the
 //! same plane as pitch with the lateral speed counted positive to port.
 
+use super::higher_modes::{self, HIGHER, HigherMode};
 use super::point::FrozenPoint;
 
 /// What disturbs a run, as fractions of the point's own figures.
@@ -34,13 +35,22 @@ macro_rules! plane {
         /// Departs from the paper, eq. (21): the damping term `M_q/I θ̇` is kept, which
         /// the printed equation lacks.
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub struct Plane { $($(#[$doc])* pub $field: f64,)* }
+        pub struct Plane {
+            $($(#[$doc])* pub $field: f64,)*
+            /// Second and third bending mode, where there are more than one.
+            pub higher: Option<[HigherMode; HIGHER]>,
+        }
 
         impl Plane {
             /// Coefficients of a point under a disturbance. Mass, inertia, speed and
             /// time constants of a frozen point are positive.
             pub fn new($point: &FrozenPoint, $disturbance: &Disturbance) -> Plane {
-                Plane { $($field: $value,)* }
+                Plane { $($field: $value,)* higher: None }
+            }
+
+            /// Every coefficient with the blocks that hold it.
+            pub(super) fn each(&mut self) -> Vec<(&'static [&'static str], &mut f64)> {
+                vec![$((&[$($block),*][..], &mut self.$field)),*]
             }
 
             fn values(&self) -> Vec<(&'static str, f64)> {
@@ -89,8 +99,10 @@ plane! { p, of;
     tvc_bandwidth ["plane.tvc_slope"] 1.0 / p.tvc_time_constant_s;
     /// F_max, N.
     tvc_limit ["plane.tvc_limit"] p.tvc_limit_n;
-    /// e_dz, rad.
-    dead_zone ["plane.dead_zone_width"] p.dead_zone_rad;
+    /// e_dz with the tips idle in roll, rad.
+    dead_zone ["dead_zone_width"] p.dead_zone_rad;
+    /// What it loses for each rad of tip given to roll; the pitch tips give none.
+    dead_zone_yield [] p.dead_zone_yield;
     /// T_F, s.
     ftc_lead ["plane.fin_lead"] p.ftc_lead_s;
     /// Pole of the bending filter, 1/s.
@@ -111,7 +123,8 @@ plane! { p, of;
     gust ["plane.gust"] of.gust * p.gust_mps * libm::sin(p.gamma_rad) / p.speed_mps;
 }
 
-/// What a run is set to: `pitch-loop.toml`, or `yaw-roll-loop.toml` where there is roll.
+/// What a run is set to: `pitch-loop.toml`, `pitch-loop-modes.toml` where there are higher modes, or
+/// `yaw-roll-loop.toml` where there is roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The pitch or the yaw plane.
@@ -172,7 +185,7 @@ impl Settings {
         // A lateral gust is normal to the velocity however steep the path: no factor sin γ.
         plane.gust = disturbance.gust * point.gust_mps / point.speed_mps;
         if dedicated {
-            plane.dead_zone = 0.0;
+            (plane.dead_zone, plane.dead_zone_yield) = (0.0, 0.0);
             plane.tvc_gain *= point.dedicated_gain_factor;
             plane.tvc_lead = point.dedicated_lead_s;
         }
@@ -192,10 +205,12 @@ impl Settings {
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let plane = &self.plane;
         let mut all = plane.values();
+        all.extend(plane.higher.iter().flat_map(higher_modes::values));
         match &self.roll {
             None => all.extend([("fin_force", plane.tip_force), ("theta_c", self.command_rad)]),
             Some(roll) => all.extend([
                 ("psi_c", self.command_rad),
+                ("dead_zone_yield", plane.dead_zone_yield),
                 ("yaw_fin_force", plane.tip_force),
                 ("roll_fin_force", plane.tip_force),
                 ("roll_tip_moment", roll.moment),

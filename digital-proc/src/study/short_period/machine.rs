@@ -9,6 +9,7 @@
 use super::{
     coefficients::Settings,
     control_loop::{ControlLoop, Response},
+    inexact::Inexact,
     plan::{Case, Plan},
     results::{Occurrence, Results, Run},
 };
@@ -29,8 +30,13 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// As shipped.
+    /// As shipped, the pitch loop with its first bending mode.
     pub fn shipped() -> Patches {
+        Patches::with_modes(1)
+    }
+
+    /// As shipped, the pitch loop with so many bending modes.
+    pub fn with_modes(modes: usize) -> Patches {
         macro_rules! files {
             ($($name:literal),*) => {
                 [$(($name, include_str!(concat!("../../../../patch-files/", $name)))),*]
@@ -39,9 +45,20 @@ impl Patches {
             };
         }
         Patches {
-            pitch: PatchBundle {
-                root: "pitch-loop.toml".to_owned(),
-                files: files!["pitch-loop.toml", "sub/stage-plane.toml", "sub/fin-tip.toml"],
+            pitch: match modes {
+                0 | 1 => PatchBundle {
+                    root: "pitch-loop.toml".to_owned(),
+                    files: files!["pitch-loop.toml", "sub/stage-plane.toml", "sub/fin-tip.toml"],
+                },
+                _ => PatchBundle {
+                    root: "pitch-loop-modes.toml".to_owned(),
+                    files: files![
+                        "pitch-loop-modes.toml",
+                        "sub/stage-plane.toml",
+                        "sub/bending-mode.toml",
+                        "sub/fin-tip.toml"
+                    ],
+                },
             },
             yaw_roll: PatchBundle {
                 root: "yaw-roll-loop.toml".to_owned(),
@@ -50,7 +67,8 @@ impl Patches {
         }
     }
 
-    fn of(&self, control_loop: ControlLoop) -> &PatchBundle {
+    /// That of a loop.
+    pub fn of(&self, control_loop: ControlLoop) -> &PatchBundle {
         match control_loop {
             ControlLoop::Pitch => &self.pitch,
             ControlLoop::YawRoll => &self.yaw_roll,
@@ -141,11 +159,12 @@ pub fn run(
         }
         let bench = Bench::load(console, control_loop, patches, profile)?;
         hashes.push((patches.of(control_loop).root.clone(), console.patch_hash().to_owned()));
+        let inexact = Inexact::new(patches.of(control_loop), profile);
         let stop = plan.sample * plan.samples() as i64;
         let asked = cases.iter().map(|case| (case.settings, stop));
         let mut next = cases.iter();
         bench.run(console, plan.sample, asked, |response, seen| {
-            runs.extend(next.next().map(|case| Run::new(plan, case, response, seen)));
+            runs.extend(next.next().map(|case| Run::new(plan, case, response, seen, &inexact)));
             progress(runs.len());
         })?;
     }
