@@ -36,6 +36,14 @@ use vehicle::{
 /// correction of 0 < K < 2 is stable, one a frame late of K < 1.
 const CORRECTION_GAIN: f64 = 0.5;
 
+/// What the digital side goes on from between two frames; the rest follows from the plan.
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+pub struct LawState {
+    start: Tick,
+    state: TrajectoryState,
+    next: TrajectoryState,
+}
+
 /// The digital side of one flight.
 #[derive(Clone)]
 pub struct FlightLaw<'v> {
@@ -90,6 +98,17 @@ impl<'v> FlightLaw<'v> {
             settings: control_settings(vehicle, &case.script, case.failure_start_s, 0.0),
             edges: EdgeRecord::NONE,
         }
+    }
+
+    pub fn kept(&self) -> LawState {
+        LawState { start: self.start, state: self.state, next: self.next }
+    }
+
+    /// As it was between two frames of the same flight.
+    pub fn resume(&mut self, kept: LawState) {
+        let (case, time_s) = (self.case, kept.start.secs());
+        (self.start, self.state, self.next) = (kept.start, kept.state, kept.next);
+        self.settings = control_settings(self.vehicle, &case.script, case.failure_start_s, time_s);
     }
 
     /// The channels that it reads and sets.
@@ -193,6 +212,7 @@ impl<'v> FlightLaw<'v> {
             (dcu.u_yaw, u_yaw),
             (dcu.lead_phi, self.settings.roll_lead_s),
             (dcu.u_roll, self.settings.roll_gain),
+            (dcu.dead_zone_yield, gains.dead_zone_yield),
             (dcu.lead_t_p, gains.tvc_lead_s),
             (dcu.lead_t_y, gains.tvc_lead_s),
             (dcu.demand_p, demand_p),
