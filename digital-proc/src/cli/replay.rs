@@ -72,7 +72,8 @@ impl Replay {
 
         let mut machine = self.join.start(context)?;
         let mut console = Console::new(&mut machine);
-        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage =
+            Stage::load_patch(&mut console, &vehicle, &plan.profile, plan.options.patch())?;
         if let Some(patch) = &record.patch
             && patch.sha256 != console.patch_hash()
         {

@@ -5,6 +5,7 @@
 
 pub(crate) mod channels;
 mod law;
+mod options;
 pub(crate) mod pacing;
 pub(crate) mod plan_record;
 mod timing;
@@ -12,6 +13,8 @@ pub(crate) mod trace;
 
 pub use channels::AttitudeSample;
 pub use law::FrameResult;
+pub(crate) use options::replace_block;
+pub use options::{AxesName, FunctionGeneration, Options};
 pub use timing::{Timing, TransferLog};
 
 use crate::linkage::{
@@ -65,6 +68,8 @@ pub struct FlightPlan {
     pub stop: Tick,
     /// How α reaches the rotational equations.
     pub alpha: AlphaPath,
+    /// What else is shared out in another way than shipped.
+    pub options: Options,
     /// The machine.
     pub profile: Profile,
 }
@@ -176,9 +181,15 @@ impl Stage {
             fast_frames: plan.slow.fast_frames(),
         })?;
         let channels = self.channels.clone();
-        let law = FlightLaw::new(vehicle, &plan.case, channels, plan.alpha, (plan.slow, plan.step));
+        let options = (plan.options, plan.options.channels(console)?);
+        let ways = (plan.alpha, options);
+        let law = FlightLaw::new(vehicle, &plan.case, channels, ways, (plan.slow, plan.step));
         let incidence = law.initial_incidence_rad();
-        console.set_ics(vec![("alpha_int".to_owned(), incidence)])?;
+        let mut ics = vec![("alpha_int".to_owned(), incidence)];
+        if plan.options.beta == AlphaPath::Redundant {
+            ics.push(("alpha_y".to_owned(), law.initial_yaw_incidence_rad()));
+        }
+        console.set_ics(ics)?;
         preset(console, law.clone(), incidence, vehicle)?;
 
         let spec = RunSpec {
