@@ -1,5 +1,6 @@
 //! The studies of the paper's section 4. Nothing here opens a session or writes a file.
 
+pub mod bending_moment;
 pub mod case_study;
 pub mod catalogue;
 pub mod fault;

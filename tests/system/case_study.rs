@@ -106,7 +106,9 @@ fn the_whole_case_study_holds_and_both_links_give_its_golden_numbers() {
     run("memory");
     let second = numbers(bench.run_directories().iter().find(|d| *d != directory).unwrap());
     assert!((&summary, &traces) == (&second.0, &second.1), "the memory link differs");
-    let tables = ["pitch", "yaw_roll", "flights"].map(|name| (name, &summary["tables"][name]));
+    let tables =
+        ["pitch", "yaw_roll", "flights", "pitch_moments", "yaw_roll_moments", "flight_moments"]
+            .map(|name| (name, &summary["tables"][name]));
     let parts = [("claims", &summary["claims"])].into_iter().chain(tables);
     let mut found: BTreeMap<_, _> =
         parts.map(|(name, part)| (name.to_owned(), golden::of_json(part))).collect();

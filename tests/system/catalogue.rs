@@ -7,7 +7,7 @@ use crate::{
 };
 use digital_proc::study::{
     catalogue::{self, CataloguePlan},
-    long_period::run::{LongPeriodPlan, fly_all},
+    long_period::run::{Answer, LongPeriodPlan, fly_all},
     tankage,
 };
 use interface::{Tick, profile::Profile};
@@ -54,8 +54,8 @@ fn a_failure_leaves_the_flight_before_it_untouched() {
     let cases: Vec<FlightCase> = scripts.iter().map(case).collect();
     let flown =
         with_console(|console| fly_all(console, &vehicle, &how, (&cases, true), |_| {}).unwrap());
-    let sound = &flown[0].1;
-    for ((_, history), script) in flown.iter().zip(&scripts).skip(1) {
+    let sound = &flown[0].history;
+    for (Answer { history, .. }, script) in flown.iter().zip(&scripts).skip(1) {
         let parts = history.iter().zip(sound).position(|(a, b)| a != b);
         let parts_s = parts.map(|at| history[at].time_s);
         // It acts from the step at 30 s on; a sequencer that stops at 30 s is missed at 34 s, when

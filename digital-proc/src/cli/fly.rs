@@ -10,6 +10,10 @@ use crate::{
     },
     linkage::console::Console,
     report::{block_diagram, flight::variables, pacing},
+    study::bending_moment::{
+        self,
+        flight::{Beside, FlightMoments},
+    },
 };
 use desk::{
     failure::Failure,
@@ -22,6 +26,7 @@ use interface::Tick;
 use std::path::PathBuf;
 use vehicle::{
     Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary, range_safety::GroundPoint,
+    structure::Structure,
 };
 
 /// Fly the first stage from lift-off to burn-out.
@@ -131,7 +136,12 @@ impl Fly {
                 Timing::Wall
             }
         };
-        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut recorder);
+        let structure = Structure::new(&vehicle);
+        let misalignment = [plan.case.pitch_misalignment, plan.case.yaw_misalignment];
+        let moments = FlightMoments::new(&structure, misalignment);
+        let mut watched = Beside { observer: &mut recorder, moments };
+        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut watched);
+        let moments = watched.moments.finish();
         let paced = recorder.pacing.clone();
         let closed = recorder.finish();
         let summary = flown.map_err(|fault| {
@@ -158,6 +168,7 @@ impl Fly {
         add_results(&vehicle, &summary, &mut outcome.results);
         let figures = variables(&run.directory.read_trace_thinned()?, vehicle.data())?;
         outcome.section("The monitored variables").beside(figures);
+        bending_moment::flight::fill(&moments, &mut outcome);
         outcome.section("Partition").figure(Figure::new(
             "partition",
             "Who computes what: control dynamics in the analog processor, trajectory dynamics in the digital one.",

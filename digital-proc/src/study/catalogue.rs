@@ -15,7 +15,7 @@ use super::{
     fault::StudyFault,
     long_period::{
         results::{Acceptance, Departure},
-        run::{LongPeriodPlan, fly_all},
+        run::{Answer, LongPeriodPlan, fly_all},
     },
 };
 use crate::linkage::console::Console;
@@ -116,16 +116,15 @@ pub fn run(
         .map(|s| Ok(FlightCase::design(vehicle, &s)?))
         .collect::<Result<Vec<_>, StudyFault>>()?;
     let mut answers = fly_all(console, vehicle, how, (&cases, false), progress)?.into_iter();
-    let (sound, _) = answers.next().ok_or(StudyFault::LostFlight)?;
-    let sound = sound.map_err(StudyFault::SoundLost)?;
+    let sound = answers.next().ok_or(StudyFault::LostFlight)?;
+    let sound = sound.ended.map_err(StudyFault::SoundLost)?;
     let accept = Acceptance::new(vehicle);
-    let entry =
-        |((mode, at_s), (ended, _)): ((&FlightScript, f64), (Result<FlightSummary, String>, _))| {
-            let departure = ended.as_ref().ok().map(|flight| Departure::new(flight, &sound));
-            let severity = departure.map(|d| d.severity(&accept));
-            let fate = fate(&ended, severity, &accept);
-            Entry { mode: mode.name.clone(), at_s, fate, ended, severity }
-        };
+    let entry = |((mode, at_s), Answer { ended, .. }): ((&FlightScript, f64), Answer)| {
+        let departure = ended.as_ref().ok().map(|flight| Departure::new(flight, &sound));
+        let severity = departure.map(|d| d.severity(&accept));
+        let fate = fate(&ended, severity, &accept);
+        Entry { mode: mode.name.clone(), at_s, fate, ended, severity }
+    };
     let entries = occurrences().zip(answers).map(entry).collect();
     let range_safety = vehicle.data().range_safety.clone();
     Ok(Catalogue { entries, times_s: plan.times_s.clone(), accept, range_safety })

@@ -6,6 +6,7 @@
 //! paper's sentences ([`claims`]) and shown ([`outcome`]).
 
 pub mod claims;
+pub mod moment;
 pub mod outcome;
 pub mod results;
 pub mod run;

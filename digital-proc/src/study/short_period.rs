@@ -18,6 +18,7 @@ pub mod linear;
 pub mod machine;
 pub mod measure;
 pub mod metrics;
+pub mod moment;
 pub(crate) mod offsets;
 pub mod outcome;
 pub mod paper;

@@ -109,7 +109,7 @@ pub fn run(
     let all = plan.modes.iter().flat_map(|mode| signs.iter().map(move |s| (mode, s)));
     let cases = all.map(|(mode, s)| case(mode, s)).collect::<Result<Vec<_>, StudyFault>>()?;
     let answers = fly_all(console, vehicle, plan, (&cases, false), progress)?;
-    let ended: Vec<Option<FlightSummary>> = answers.into_iter().map(|(e, _)| e.ok()).collect();
+    let ended: Vec<Option<FlightSummary>> = answers.into_iter().map(|a| a.ended.ok()).collect();
     let data = vehicle.data();
     let mut tankage = Tankage {
         modes: Vec::new(),

@@ -27,8 +27,8 @@ use crate::airframe::AirframeCoefficients;
 use crate::beam_shape::{MODES, SHAPES, ShapesAt, shapes_at};
 use crate::{Vehicle, VehicleData};
 
-/// Spacing of the stations at which a moment is sought, m; they are its multiples.
-pub const SPACING_M: f64 = 0.05;
+/// Stations in a metre: a moment is sought every 0.05 m.
+pub const STATIONS_PER_M: f64 = 20.0;
 /// Stations that tables show, m.
 pub const TEN_STATIONS_M: [f64; 10] = [2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0];
 /// Number of loads: incidence, tip force, thrust-vector force, misalignment.
@@ -75,7 +75,7 @@ pub struct Applied {
 }
 
 impl Applied {
-    /// Of the airframe at a flight time.
+    /// Of the airframe in flight.
     pub fn new(vehicle: &Vehicle, time_s: f64, airframe: &AirframeCoefficients) -> Applied {
         let bending = vehicle.bending_at(time_s);
         Applied {
@@ -217,6 +217,7 @@ impl Layout {
 /// The structure of a vehicle: what depends on no time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Structure {
+    vehicle: Vehicle,
     stations_m: Vec<f64>,
     /// Everything but the propellant.
     dry: Layout,
@@ -243,10 +244,10 @@ impl Structure {
             aft_m = aft_m.min(centre - 0.5 * rod);
             fore_m = fore_m.max(centre + 0.5 * rod);
         }
-        let first = (aft_m / SPACING_M).floor() as i64;
-        let last = (fore_m / SPACING_M).ceil() as i64;
+        let first = (aft_m * STATIONS_PER_M).floor() as i64;
+        let last = (fore_m * STATIONS_PER_M).ceil() as i64;
         let stations: Vec<(f64, ShapesAt)> = (first..=last)
-            .map(|n| n as f64 * SPACING_M)
+            .map(|n| n as f64 / STATIONS_PER_M)
             .map(|x| (x, shapes_at(length_m, x)))
             .collect();
         let mut dry = Layout::empty(stations.len());
@@ -263,6 +264,7 @@ impl Structure {
             over_square * (nose_m * u * u / 2.0 - u * u * u / 6.0) + lever
         };
         Structure {
+            vehicle: vehicle.clone(),
             nose: stations.iter().map(|(x, _)| nose(*x)).collect(),
             nose_sum: std::array::from_fn(|f| {
                 over_square
@@ -277,28 +279,31 @@ impl Structure {
         }
     }
 
-    /// Stations of all moments, m, increasing by [`SPACING_M`] from the aft end to the fore end.
+    /// Stations of all moments, m, [`STATIONS_PER_M`] of them, from the aft end to the fore end.
     pub fn stations_m(&self) -> &[f64] {
         &self.stations_m
     }
 
+    /// Whose structure it is.
+    pub fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
     /// Index of the station nearest to `x_m`.
     pub fn nearest(&self, x_m: f64) -> usize {
-        let n = ((x_m - self.stations_m[0]) / SPACING_M).round().max(0.0) as usize;
+        let n = ((x_m - self.stations_m[0]) * STATIONS_PER_M).round().max(0.0) as usize;
         n.min(self.stations_m.len() - 1)
     }
 
     /// The beam at one time.
-    pub fn beam(&self, vehicle: &Vehicle, applied: &Applied) -> Result<Beam<'_>, StructureError> {
-        Beam::new(self, vehicle, applied)
+    pub fn beam(&self, applied: &Applied) -> Result<Beam, StructureError> {
+        Beam::new(self, applied)
     }
 }
 
 /// A free-free mode of the vehicle at one time, φ(0) = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// Its shape as a sum of the known ones.
-    shape: [f64; SHAPES],
     /// M_i, kg.
     pub mass_kg: f64,
     /// ω_i, rad/s.
@@ -309,38 +314,33 @@ pub struct Mode {
     drive: [f64; LOADS],
 }
 
-/// The vehicle as a beam at one time: the columns M_α, M_F, M_T, M_mis, M_ηi.
+/// The vehicle as a beam at one time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Beam<'s> {
-    structure: &'s Structure,
-    propellant_kg: f64,
+pub struct Beam {
     pub mass_kg: f64,
     pub cg_x_m: f64,
     pub inertia_kgm2: f64,
     pub modes: [Mode; MODES],
     /// a₀ (m/s²) and θ̈ (rad/s²) of each load, 1.
     rigid: [[f64; 2]; LOADS],
-    body: BodyLoads,
-    /// Normal force of body and fins, N/rad.
-    normal_nprad: [f64; 2],
-    fin_x_m: f64,
-    tip_x_m: f64,
-    tvc_x_m: f64,
-    nozzle_x_m: f64,
-    /// Side force (N) and couple (N·m) of the 3σ misalignment.
-    misalignment: [f64; 2],
+    /// M_α (N·m), M_F, M_T (m) and M_mis (N·m) at every station.
+    columns: [Vec<f64>; LOADS],
+    /// M_ηi at every station, kg·m.
+    inertia: [Vec<f64>; MODES],
 }
 
 fn dot(a: &[f64; SHAPES], b: &[f64; SHAPES]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-impl<'s> Beam<'s> {
-    fn new(
-        structure: &'s Structure,
-        vehicle: &Vehicle,
-        applied: &Applied,
-    ) -> Result<Beam<'s>, StructureError> {
+/// Adds a multiple of a column.
+fn add(sum: &mut [f64], factor: f64, column: &[f64]) {
+    sum.iter_mut().zip(column).for_each(|(s, c)| *s += factor * c);
+}
+
+impl Beam {
+    fn new(structure: &Structure, applied: &Applied) -> Result<Beam, StructureError> {
+        let vehicle = &structure.vehicle;
         let data = vehicle.data();
         let length_m = data.geometry.length_m;
         let propellant_kg = vehicle.motor().at(applied.time_s).propellant_left_kg;
@@ -398,30 +398,51 @@ impl<'s> Beam<'s> {
                 Some(high) => (bending.frequency_ratio[high], bending.high_damping_ratio[high]),
             };
             Mode {
-                shape,
                 mass_kg,
                 frequency_radps: ratio * applied.bending_frequency_radps,
                 damping,
                 drive: work.map(|work| dot(&shape, &work) / mass_kg),
             }
         });
-        Ok(Beam {
-            structure,
-            propellant_kg,
-            mass_kg,
-            cg_x_m,
-            inertia_kgm2,
-            modes,
-            // Shape 1 is moved by F; shape x by F x and turned by −c, so that this is nose up.
-            rigid: work.map(|w| [w[0] / mass_kg, (cg_x_m * w[0] - w[1]) / inertia_kgm2]),
-            body,
-            normal_nprad,
-            fin_x_m,
-            tip_x_m,
-            tvc_x_m,
-            nozzle_x_m,
-            misalignment,
-        })
+        // Shape 1 is moved by F; shape x by F x and turned by −c, so that this is nose up.
+        let rigid = work.map(|w| [w[0] / mass_kg, (cg_x_m * w[0] - w[1]) / inertia_kgm2]);
+
+        // ∫_{s<x} (x − s) μ f ds of the whole mass.
+        let moment: [Vec<f64>; SHAPES] = std::array::from_fn(|f| {
+            let mut sum = dry.moment[f].clone();
+            add(&mut sum, propellant_kg, &grain.moment[f]);
+            sum
+        });
+        let stations_m = &structure.stations_m;
+        let lever = |force_n: f64, at_m: f64| -> Vec<f64> {
+            let moment_nm = |x: &f64| force_n * if *x > at_m { x - at_m } else { 0.0 };
+            stations_m.iter().map(moment_nm).collect()
+        };
+        let mut columns = [
+            lever(normal_nprad[1], fin_x_m),
+            lever(-1.0, tip_x_m),
+            lever(-1.0, tvc_x_m),
+            lever(-misalignment[0], nozzle_x_m),
+        ];
+        add(&mut columns[0], normal_nprad[0] * body.nose, &structure.nose);
+        let cylinder_npm = normal_nprad[0] * body.cylinder / body.extent_m;
+        for (sum, x) in columns[0].iter_mut().zip(stations_m) {
+            let covered = x.clamp(0.0, body.extent_m);
+            *sum += cylinder_npm * covered * (x - 0.5 * covered);
+        }
+        let couple_npkg = misalignment[1] / mass_kg;
+        add(&mut columns[3], -couple_npkg, &dry.behind_kg);
+        add(&mut columns[3], -couple_npkg * propellant_kg, &grain.behind_kg);
+        for (column, [lateral, turning]) in columns.iter_mut().zip(rigid) {
+            add(column, lateral + turning * cg_x_m, &moment[0]);
+            add(column, -turning, &moment[1]);
+        }
+        let inertia = shapes.map(|(shape, _)| {
+            let mut sum = vec![0.0; stations_m.len()];
+            moment.iter().zip(shape).for_each(|(column, part)| add(&mut sum, part, column));
+            sum
+        });
+        Ok(Beam { mass_kg, cg_x_m, inertia_kgm2, modes, rigid, columns, inertia })
     }
 
     /// a₀ (m/s², towards +z) and θ̈ (rad/s²) under loads.
@@ -436,45 +457,23 @@ impl<'s> Beam<'s> {
         self.modes.map(|mode| loads.iter().zip(&mode.drive).map(|(load, f)| load * f).sum())
     }
 
-    /// BM at every station, N·m, under loads and accelerations of the modes (m/s²; zero for the
-    /// quasi-static moment), into `moment_nm`.
-    pub fn moments(&self, loads: &Loads, modes_mps2: [f64; MODES], moment_nm: &mut Vec<f64>) {
-        let [lateral, turning] = self.rigid_acceleration(loads);
-        // The inertia of everything is that of one shape.
-        let mut inertia = [0.0; SHAPES];
-        inertia[0] = lateral + turning * self.cg_x_m;
-        inertia[1] = -turning;
-        for (mode, acceleration) in self.modes.iter().zip(modes_mps2) {
-            for (sum, part) in inertia.iter_mut().zip(mode.shape) {
-                *sum += acceleration * part;
-            }
+    /// Adds the quasi-static moment under loads to `moment_nm`, N·m at every station.
+    pub fn add_quasi_static(&self, loads: &Loads, moment_nm: &mut [f64]) {
+        for (load, column) in loads.to_array().into_iter().zip(&self.columns) {
+            add(moment_nm, load, column);
         }
-        let fuel = inertia.map(|part| part * self.propellant_kg);
-        let Structure { dry, propellant: grain, nose, stations_m, .. } = self.structure;
-        let Loads { incidence_rad, tip_force_n, tvc_force_n, misalignment } = *loads;
-        let body_n = incidence_rad * self.normal_nprad[0];
-        let (nose_n, cylinder_n) = (body_n * self.body.nose, body_n * self.body.cylinder);
-        let (fin_n, extent_m) = (incidence_rad * self.normal_nprad[1], self.body.extent_m);
-        let [side_n, couple_nm] = self.misalignment.map(|part| part * misalignment);
-        let couple_npkg = couple_nm / self.mass_kg;
-        moment_nm.clear();
-        moment_nm.extend((0..stations_m.len()).map(|j| {
-            let x = stations_m[j];
-            let behind = |at: f64| if x > at { x - at } else { 0.0 };
-            let covered = if x < extent_m { behind(0.0) } else { extent_m };
-            let mass_behind = dry.behind_kg[j] + self.propellant_kg * grain.behind_kg[j];
-            let mut sum = nose_n * nose[j]
-                + cylinder_n * covered * (x - 0.5 * covered) / extent_m
-                + fin_n * behind(self.fin_x_m)
-                - tip_force_n * behind(self.tip_x_m)
-                - tvc_force_n * behind(self.tvc_x_m)
-                - side_n * behind(self.nozzle_x_m)
-                - couple_npkg * mass_behind;
-            for f in 0..SHAPES {
-                sum += inertia[f] * dry.moment[f][j] + fuel[f] * grain.moment[f][j];
-            }
-            sum
-        }));
+    }
+
+    /// M_ηi at every station, kg·m.
+    pub fn mode_columns(&self) -> [&[f64]; MODES] {
+        self.inertia.each_ref().map(Vec::as_slice)
+    }
+
+    /// Adds Σ M_ηi η̈_i to `moment_nm`, accelerations in m/s².
+    pub fn add_modes(&self, acceleration_mps2: [f64; MODES], moment_nm: &mut [f64]) {
+        for (acceleration, column) in acceleration_mps2.into_iter().zip(&self.inertia) {
+            add(moment_nm, acceleration, column);
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use crate::{
         fault::StudyFault,
         long_period::{
             results::{Acceptance, Departure},
-            run::{Bench, LongPeriodPlan},
+            run::{Answer, Bench, LongPeriodPlan},
         },
     },
 };
@@ -130,7 +130,8 @@ impl Trials<'_> {
             None => {
                 self.flights += 1;
                 let undisturbed = FlightCase::undisturbed();
-                let (ended, _) = self.bench.fly(console, self.vehicle, &undisturbed, false)?;
+                let Answer { ended, .. } =
+                    self.bench.fly(console, self.vehicle, &undisturbed, false)?;
                 *self.nominal.insert(ended.map_err(StudyFault::NominalLost)?)
             }
         };
@@ -142,7 +143,7 @@ impl Trials<'_> {
             self.flights += 1;
             let mut flight = FlightCase::design(&candidate, &FlightScript::sound())?;
             flight.pitch_misalignment = pitch;
-            let (ended, _) = self.bench.fly(console, &candidate, &flight, false)?;
+            let Answer { ended, .. } = self.bench.fly(console, &candidate, &flight, false)?;
             load = load.max(ended.as_ref().map_or(f64::INFINITY, |f| f.max_q_alpha.value));
             if let (0, Ok(flight)) = (k, &ended) {
                 severity = Departure::new(flight, &nominal).severity(&accept);

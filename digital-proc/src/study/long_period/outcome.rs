@@ -3,6 +3,7 @@
 
 use super::{
     claims::{DEPARTURES, FIGURE_8, LOADS, MODES, Q_ALPHA, judge},
+    moment,
     results::{Departure, Flown, LongPeriodResults, ModeResult},
 };
 use crate::{
@@ -70,6 +71,7 @@ pub fn fill(results: &LongPeriodResults, step: Tick, out: &mut Outcome) {
             }),
         )
         .long_table("flights", "Every flight at burn-out.", flight_table(results));
+    moment::fill(results, out);
     range_safety(results, out);
     schedules(results, out);
     let undisturbed_kg = results.nominal.injectant_kg;

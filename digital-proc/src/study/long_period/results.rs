@@ -1,9 +1,11 @@
 //! What a long-period study comes to: a row a mode, with all its flights.
 
+use crate::study::bending_moment::BendingMoments;
 use vehicle::{
     RangeSafety, ScheduleData, Vehicle,
     flight_mode::{FlightScript, Schedule},
     flight_summary::{FlightSample, FlightSummary},
+    structure::StructureError,
     table::TableError,
     wind::Wind,
 };
@@ -58,6 +60,8 @@ pub struct Flown {
     pub misalignment: [f64; 2],
     /// The flight in short, or why it was lost.
     pub ended: Result<FlightSummary, String>,
+    /// Its bending moments, of a flight that is shown: the undisturbed one and the design cases.
+    pub moments: Option<Result<BendingMoments<2>, StructureError>>,
 }
 
 impl Flown {
@@ -200,6 +204,8 @@ pub struct LongPeriodResults {
     /// What is accepted.
     pub accept: Acceptance,
     /// The undisturbed normal flight.
+    pub undisturbed: Flown,
+    /// What it came to.
     pub nominal: FlightSummary,
     /// Its samples.
     pub nominal_history: Vec<FlightSample>,

@@ -16,7 +16,10 @@ use crate::{
         console::{Console, ConsoleFault},
         executive::Rate,
     },
-    study::fault::StudyFault,
+    study::{
+        bending_moment::{BendingMoments, flight::FlightMoments},
+        fault::StudyFault,
+    },
 };
 use interface::{
     Tick,
@@ -31,6 +34,8 @@ use vehicle::{
     flight_mode::{FlightScript, Schedule},
     flight_summary::{FlightSample, FlightSummary},
     reference::FlightCase,
+    structure::{Structure, StructureError},
+    wind::Wind,
 };
 
 /// Misalignments of the shipped envelope, fractions of 3σ, flown beside the
@@ -130,13 +135,13 @@ pub fn run(
     };
     let cases = flights.iter().map(case).collect::<Result<Vec<_>, StudyFault>>()?;
     let answers = fly_all(console, vehicle, plan, (&cases, true), progress)?;
-    let mut flown = flights.into_iter().zip(answers).map(|(flight, (ended, history))| {
-        let (_, wind, misalignment) = flight;
-        (Flown { wind, misalignment, ended }, history)
+    let mut flown = flights.into_iter().zip(answers).map(|(flight, answer)| {
+        let ((_, wind, misalignment), Answer { ended, history, moments }) = (flight, answer);
+        (Flown { wind, misalignment, ended, moments }, history)
     });
     let mut next = || flown.next().ok_or(StudyFault::LostFlight);
     let (undisturbed, nominal_history) = next()?;
-    let nominal = undisturbed.ended.map_err(StudyFault::NominalLost)?;
+    let nominal = undisturbed.ended.clone().map_err(StudyFault::NominalLost)?;
     let mut modes = Vec::with_capacity(scripts.len());
     for script in &scripts {
         let (flown, history) = next()?;
@@ -156,6 +161,7 @@ pub fn run(
     let data = vehicle.data();
     Ok(LongPeriodResults {
         accept: Acceptance::new(vehicle),
+        undisturbed,
         nominal,
         nominal_history,
         sound,
@@ -166,8 +172,22 @@ pub fn run(
     })
 }
 
-/// What a flight came to, or why it was lost, and its history.
-pub type Answer = (Result<FlightSummary, String>, Vec<FlightSample>);
+/// One flight.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// What it came to, or why it was lost.
+    pub ended: Result<FlightSummary, String>,
+    /// Its samples, one a trajectory step, where they are kept.
+    pub history: Vec<FlightSample>,
+    /// Its bending moments, of a flight that is kept and shown.
+    pub moments: Option<Result<BendingMoments<2>, StructureError>>,
+}
+
+/// Whether a flight's bending moments are shown: the undisturbed ones and the design cases.
+fn is_shown(vehicle: &Vehicle, case: &FlightCase) -> Result<bool, StudyFault> {
+    let design = FlightCase::design(vehicle, &case.script)?;
+    Ok(case.wind == Wind::Calm || *case == design)
+}
 
 /// Flies side by side where more machines can be started, or else one after another; each has the
 /// bits of a flight alone. Histories are kept if `history` is set.
@@ -269,6 +289,10 @@ impl<'a> Bench<'a> {
             options: Options::NONE,
             profile: self.plan.profile.clone(),
         };
+        let shown = keep && is_shown(vehicle, case)?;
+        let structure = shown.then(|| Structure::new(vehicle));
+        let misalignment = [case.pitch_misalignment, case.yaw_misalignment];
+        let mut moments = structure.as_ref().map(|s| FlightMoments::new(s, misalignment));
         let mut history = Vec::new();
         let slow = self.plan.slow;
         let flown = self.stage.fly(
@@ -280,15 +304,20 @@ impl<'a> Bench<'a> {
                 if keep && slow.due(frame.frame) {
                     history.push(result.sample);
                 }
+                if let Some(moments) = &mut moments {
+                    moments.observe(result);
+                }
             },
         );
-        match flown {
-            Ok(summary) => Ok((Ok(summary), history)),
+        let moments = moments.map(FlightMoments::finish);
+        let ended = match flown {
+            Ok(summary) => Ok(summary),
             Err(
                 fault @ (FlightFault::Trajectory(_)
                 | FlightFault::Console(ConsoleFault::RunFault { .. })),
-            ) => Ok((Err(fault.to_string()), history)),
-            Err(fault) => Err(fault.into()),
-        }
+            ) => Err(fault.to_string()),
+            Err(fault) => return Err(fault.into()),
+        };
+        Ok(Answer { ended, history, moments })
     }
 }

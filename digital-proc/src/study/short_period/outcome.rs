@@ -7,6 +7,7 @@ use super::{
     linear::{ChannelGains, Root},
     measure::{PITCH_BAND, ROLL_BAND_DEG, YAW_BAND_DEG},
     metrics::Oscillation,
+    moment,
     results::{Results, Run},
 };
 use desk::{
@@ -35,6 +36,7 @@ pub fn outcome(title: &str, results: &Results) -> Outcome {
         }
     }
     agreement(results, &mut out);
+    moment::outcome::fill(results, &mut out);
     responses(results, &mut out);
     remarks(results, &mut out);
     out.traces.push((TRACE_FILE, curves(results)));

@@ -8,6 +8,7 @@ use super::{
     },
     control_loop::{ControlLoop, Response, Test},
     measure::{Measures, YAW_BAND_DEG},
+    moment,
     outcome::{agreement, curves, figures, place, remarks, runs},
     results::{Results, Run},
 };
@@ -39,6 +40,7 @@ pub fn fill(results: &Results, out: &mut Outcome) {
         out.section("Conditions and trajectory points").long_table(name, caption, table);
     }
     worst_responses(results, &worst, out);
+    moment::outcome::fill(results, out);
     agreement(results, out);
     remarks(results, out);
     out.claims.extend(judge(results));
@@ -59,8 +61,7 @@ fn named<'a>(
 }
 
 fn title(results: &Results, condition: usize) -> String {
-    let entry = &results.plan.conditions[condition];
-    if entry.title.is_empty() { entry.name.clone() } else { entry.title.clone() }
+    results.plan.conditions[condition].title().to_owned()
 }
 
 /// The point at which both failures ring most (the less of them counts), among those that also

@@ -8,6 +8,7 @@
 
 use super::coefficients::{Disturbance, Offsets, Settings};
 use super::control_loop::{ControlLoop, Test};
+use super::moment;
 use super::places::{gyro_stations, locate_all};
 use super::point::FrozenPoint;
 use super::point::QUANTITIES;
@@ -16,6 +17,7 @@ use interface::Tick;
 use vehicle::Vehicle;
 use vehicle::gain_schedule::{GainSchedule, LoopGains};
 use vehicle::slice::SlicePoint;
+use vehicle::structure::Structure;
 
 /// All runs of a study.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +32,8 @@ pub struct Plan {
     pub points: Vec<PlannedPoint>,
     /// The conditions in the study's order.
     pub conditions: Vec<Condition>,
+    /// The vehicle as a beam.
+    pub structure: Structure,
     /// The runs, those of the pitch loop first.
     pub cases: Vec<Case>,
 }
@@ -70,9 +74,11 @@ impl Plan {
             step_rad: study.pitch.step_deg.to_radians(),
             points: slices.into_iter().map(named).collect(),
             conditions: study.conditions.clone(),
+            structure: Structure::new(vehicle),
             cases: Vec::new(),
         };
         plan.list_runs(study, vehicle);
+        plan.cases.iter().try_for_each(|case| moment::beam(&plan, case).map(drop))?;
         Ok(plan)
     }
 
@@ -135,6 +141,11 @@ impl Plan {
 }
 
 impl Condition {
+    /// Its title, or its name where it has none.
+    pub fn title(&self) -> &str {
+        if self.title.is_empty() { &self.name } else { &self.title }
+    }
+
     fn is_a_change(&self) -> bool {
         !self.changes.is_empty() || self.gains != GainSource::Scheduled || self.gyro.is_some()
     }

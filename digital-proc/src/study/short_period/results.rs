@@ -5,7 +5,9 @@
 use super::agreement::Agreement;
 use super::control_loop::{ControlLoop, Response, Test};
 use super::measure::Measures;
+use super::moment;
 use super::plan::{Case, Plan};
+use crate::study::bending_moment::outcome::GreatestMoment;
 use interface::Tick;
 
 /// What may happen in a run.
@@ -44,6 +46,8 @@ pub struct Run {
     pub seen: Vec<Occurrence>,
     /// The measures of the answer.
     pub measures: Measures,
+    /// Greatest bending moment; none of an answer that is no number.
+    pub moment: Option<GreatestMoment>,
     /// The answer held against linear theory, where that is possible.
     pub linear: Option<Agreement>,
 }
@@ -59,6 +63,7 @@ impl Run {
             condition,
             case: *case,
             measures: Measures::new(plan, case, &response),
+            moment: moment::greatest(plan, case, &response),
             linear: Agreement::of(plan, case, &response),
             response,
             seen,

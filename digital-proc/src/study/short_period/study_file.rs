@@ -9,7 +9,7 @@ use super::point::Quantity;
 use desk::faults::{FileFaults, Source};
 use desk::reader::{Range::Any, Span};
 use desk::table;
-use vehicle::trajectory::FlightError;
+use vehicle::{structure::StructureError, trajectory::FlightError};
 
 /// Text of the shipped study.
 pub const SHIPPED_TEXT: &str = include_str!("../../../data/short-period.toml");
@@ -25,6 +25,9 @@ pub enum StudyError {
     /// The nominal flight from which the points are frozen failed.
     #[error("the nominal flight cannot be computed: {0}")]
     Flight(#[from] FlightError),
+    /// No beam can be made of the vehicle at a point.
+    #[error("the bending moment cannot be computed: {0}")]
+    Structure(#[from] StructureError),
 }
 
 /// A checked study.
