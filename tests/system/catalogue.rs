@@ -157,6 +157,7 @@ fn the_tankage_is_that_of_the_second_formulation() {
             wind: Wind::signed(&vehicle, along, cross).unwrap(),
             pitch_misalignment: pitch,
             yaw_misalignment: yaw,
+            ..FlightCase::undisturbed()
         };
         reference::fly(&vehicle, &case, 1000, |_| {}).unwrap()
     };
@@ -182,4 +183,25 @@ fn the_tankage_is_that_of_the_second_formulation() {
     }
     let (needed_kg, _) = tankage.needed_kg().unwrap();
     assert!(needed_kg > flown.injectant_kg && needed_kg < tankage.carried_kg, "{needed_kg}");
+}
+
+/// 28 and 42 kN·s are those of an independent formulation, with tip 4 dead and a headwind whose
+/// share across blows to starboard and to port: half of their last digit, and 0.3 of the lag of
+/// half a frame.
+#[test]
+fn the_side_of_the_crosswind_decides_the_fluid() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let how = LongPeriodPlan::new(Vec::new(), Profile::ideal());
+    let design = FlightCase::design(&vehicle, FlightMode::TipFourDead.script()).unwrap();
+    let cases = [1.0, -1.0].map(|across| FlightCase {
+        wind: Wind::signed(&vehicle, -1.0, across).unwrap(),
+        ..design.clone()
+    });
+    let flown =
+        with_console(|console| fly_all(console, &vehicle, &how, (&cases, false), |_| {}).unwrap());
+    for (answer, expected) in flown.into_iter().zip([28.0, 42.0]) {
+        let flight = answer.ended.unwrap();
+        let impulse = (flight.tvc_pitch_impulse_ns + flight.tvc_yaw_impulse_ns) / 1e3;
+        assert!((impulse - expected).abs() < 0.8, "{impulse} {expected}");
+    }
 }

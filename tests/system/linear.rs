@@ -6,12 +6,14 @@ use digital_proc::{
     study::short_period::{
         coefficients::{Disturbance, Offsets, Settings},
         control_loop::ControlLoop,
-        linear::{ChannelGains, plane_matrix},
+        higher_modes::higher_modes,
+        linear::{ChannelGains, plane_matrix, plane_roots},
         machine::{Bench, Patches},
         point::FrozenPoint,
     },
 };
 use interface::{control::LinearModel, profile::Profile};
+use nalgebra::DMatrix;
 use serde_json::Value;
 use vehicle::{Vehicle, slice};
 
@@ -73,6 +75,55 @@ fn the_pitch_loop_is_the_matrix_of_the_study() {
                         agree(entry(&model, row, column), truth[(i, j)], &what);
                     }
                 }
+            }
+        }
+    });
+}
+
+/// The higher modes in the machine's own model: each entry as the sub-patch states it, and the
+/// damping that an independent formulation found (mode 2 0.011 to 0.020, mode 3 0.0096 to 0.0100).
+#[test]
+fn the_higher_modes_hang_in_the_pitch_loop_and_stay_stable() {
+    let vehicle = Vehicle::shipped().unwrap();
+    let gyro_x_m = vehicle.data().bending.gyro_x_m;
+    with_console(|console| {
+        let patches = Patches::with_modes(3);
+        Bench::load(console, ControlLoop::Pitch, &patches, &Profile::ideal()).unwrap();
+        for point in points() {
+            // A step of 2 degrees opens the dead zone.
+            let mut settings = Settings::pitch(&point, &Disturbance::NONE, 2f64.to_radians());
+            let higher = higher_modes(&vehicle, &point, gyro_x_m);
+            settings.plane.higher = Some(higher);
+            let model = model(console, &settings);
+            assert_eq!(model.states.len(), 14);
+            let plane = &settings.plane;
+            for (mode, name) in higher.iter().zip(["mode2", "mode3"]) {
+                let [eta, rate] = ["eta", "eta_rate"].map(|block| format!("{name}.{block}"));
+                for (row, column, truth) in [
+                    (eta.as_str(), rate.as_str(), 1.0),
+                    (&rate, &eta, -mode.spring()),
+                    (&rate, &rate, -mode.drag()),
+                    (&rate, "plane.tvc_force", mode.drive),
+                    (&rate, "tip.deflection", mode.drive * plane.tip_force),
+                    ("plane.gyro_slope", &rate, plane.gyro_spring * mode.gyro_slope),
+                    ("plane.filtered_error", &eta, -plane.filter_pole * mode.imu_slope),
+                    (
+                        "plane.tvc_force",
+                        &eta,
+                        -plane.tvc_bandwidth * plane.tvc_gain * mode.imu_slope,
+                    ),
+                ] {
+                    agree(entry(&model, row, column), truth, &format!("{row} by {column}"));
+                }
+            }
+            let a = DMatrix::from_row_slice(14, 14, &model.a);
+            let ours = plane_roots(plane, ChannelGains::BOTH).higher.map(Option::unwrap);
+            let found = a.complex_eigenvalues();
+            for (root, range) in ours.iter().zip([0.0105..0.0205, 0.00955..0.01005]) {
+                let off = |re: f64, im: f64| (re - root.real).hypot(im - root.imaginary);
+                let near = found.iter().map(|s| off(s.re, s.im)).fold(f64::INFINITY, f64::min);
+                assert!(near < 1e-6 * root.frequency_radps(), "{root:?}: {near}");
+                assert!(range.contains(&root.damping()), "{root:?}: {}", root.damping());
             }
         }
     });

@@ -23,6 +23,7 @@ mod partition;
 mod pictures;
 mod replay;
 mod requests;
+mod roll_drift;
 mod sampling;
 mod sessions;
 mod surroundings;

@@ -274,7 +274,10 @@ fn add_results(vehicle: &Vehicle, s: &FlightSummary, results: &mut Summary) {
     let margin = format!("at {:.1} s; {of_limit:.0} % of the limit {limit:.4e}", load.time_s);
     let total = &s.max_total_q_alpha;
     let total_at = format!("at {:.1} s; with the yaw incidence", total.time_s);
-    let azimuth_deg = data.site.azimuth_deg + s.end.azimuth_departure_rad().to_degrees();
+    let azimuth_deg = s
+        .end
+        .azimuth_departure_rad()
+        .map_or(f64::NAN, |departure| data.site.azimuth_deg + departure.to_degrees());
     let used = 100.0 * s.corridor_used;
     let corridor = match s.corridor_left_s {
         Some(left_s) => format!("outside its corridor from {left_s:.1} s on"),

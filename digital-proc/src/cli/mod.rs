@@ -11,6 +11,7 @@ mod fly;
 mod gyro_location;
 mod long_period;
 mod replay;
+mod roll_drift;
 mod runs;
 mod sampling;
 mod sensitivity;
@@ -81,6 +82,8 @@ enum Command {
     LongPeriod(long_period::LongPeriod),
     /// Catalogue what becomes of each failure at each time of its occurrence
     Catalogue(catalogue::Catalogue),
+    /// Fly with a roll drift that nobody corrects, attitude errors resolved and not
+    RollDrift(roll_drift::RollDrift),
     /// List the modes of a failure file, or print the shipped one to start from
     Failures(failures::Failures),
     /// Design the gain schedules on the machine: intervals, fewer switchings, re-evaluation
@@ -193,6 +196,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             Command::Sampling(c) => c.execute(&context),
             Command::LongPeriod(c) => c.execute(&context),
             Command::Catalogue(c) => c.execute(&context),
+            Command::RollDrift(c) => c.execute(&context),
             Command::Failures(c) => c.execute(),
             Command::DesignGains(c) => c.execute(&context),
             Command::Sensitivity(c) => c.execute(&context),

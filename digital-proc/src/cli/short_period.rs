@@ -161,7 +161,7 @@ impl Runs {
         begun.set("study-file", study.file);
         let amount = (plan.cases.len(), "runs");
         let results = self.study.on_machine(context, amount, |console, progress| {
-            machine::run(console, &plan, &Patches::shipped(), &profile, progress)
+            machine::run(console, &plan, &Patches::with_modes(plan.modes), &profile, progress)
         })?;
         note_patches(&mut begun, &results.patches);
         let loops = tests[0].control_loop().title();

@@ -34,7 +34,7 @@ channel_set!(
     Signals, ChannelKind::Dac,
     [
         theta_c, gamma_air, range_angle, wind_angle, alpha_drift, alpha_mend, dead_zone,
-        a_misalign_p, a_misalign_y, a_cant,
+        a_misalign_p, a_misalign_y, a_cant, roll_reference,
     ]
 );
 channel_set!(
@@ -49,7 +49,7 @@ channel_set!(
 );
 channel_set!(
     /// Logic set by the digital side.
-    Lines, ChannelKind::Control, [redundant]
+    Lines, ChannelKind::Control, [redundant, resolved]
 );
 
 /// Every channel of the stage patch.

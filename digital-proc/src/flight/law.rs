@@ -204,6 +204,7 @@ impl<'v> FlightLaw<'v> {
             (dac.a_misalign_p, self.case.pitch_misalignment * per_inertia),
             (dac.a_misalign_y, self.case.yaw_misalignment * per_inertia),
             (dac.a_cant, airframe.fin_cant_moment_nm / airframe.roll_inertia_kgm2),
+            (dac.roll_reference, self.case.roll_drift.reference_rad(time_s)),
         ] {
             updates.set_dac(channel, value);
         }
@@ -225,6 +226,7 @@ impl<'v> FlightLaw<'v> {
             updates.set_dcu(channel, value);
         }
         updates.set_control(self.channels.line.redundant, redundant);
+        updates.set_control(self.channels.line.resolved, self.case.roll_drift.resolved);
         Ok(())
     }
 

@@ -185,11 +185,11 @@ impl Stage {
         let ways = (plan.alpha, options);
         let law = FlightLaw::new(vehicle, &plan.case, channels, ways, (plan.slow, plan.step));
         let incidence = law.initial_incidence_rad();
-        let mut ics = vec![("alpha_int".to_owned(), incidence)];
+        let mut ics = vec![("alpha_int", incidence), ("phi", plan.case.roll_drift.initial_rad)];
         if plan.options.beta == AlphaPath::Redundant {
-            ics.push(("alpha_y".to_owned(), law.initial_yaw_incidence_rad()));
+            ics.push(("alpha_y", law.initial_yaw_incidence_rad()));
         }
-        console.set_ics(ics)?;
+        console.set_ics(ics.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())?;
         preset(console, law.clone(), incidence, vehicle)?;
 
         let spec = RunSpec {

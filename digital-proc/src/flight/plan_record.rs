@@ -18,7 +18,7 @@ use std::path::Path;
 use vehicle::{
     Vehicle, VehicleData,
     flight_mode::FlightScript,
-    reference::FlightCase,
+    reference::{FlightCase, RollDrift},
     table::TableError,
     wind::{Wind, WindDirection},
     wind_ensemble,
@@ -158,6 +158,7 @@ impl PlanRecord {
                 wind,
                 pitch_misalignment: self.misalign_pitch,
                 yaw_misalignment: self.misalign_yaw,
+                roll_drift: RollDrift::NONE,
             },
             step: self.frame,
             slow,

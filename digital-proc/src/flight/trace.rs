@@ -59,7 +59,9 @@ const COLUMNS: [Reader; 41] = [
     ("q_alpha_total_pa_rad", "Pa rad", |_, r| r.sample.total_q_alpha_padeg().to_radians()),
     ("cross_speed_m_s", "m/s", |_, r| r.sample.trajectory.cross_speed_mps),
     ("cross_range_m", "m", |_, r| r.sample.trajectory.cross_m),
-    ("azimuth_departure_rad", "rad", |_, r| r.sample.trajectory.azimuth_departure_rad()),
+    ("azimuth_departure_rad", "rad", |_, r| {
+        r.sample.trajectory.azimuth_departure_rad().unwrap_or(f64::NAN)
+    }),
     ("impact_downrange_m", "m", |_, r| r.sample.impact.map_or(f64::NAN, |i| i.downrange_m)),
     ("impact_cross_m", "m", |_, r| r.sample.impact.map_or(f64::NAN, |i| i.cross_m)),
     ("adc_saturated", "", |s, _| f64::from(s.adc_saturated.count_ones())),

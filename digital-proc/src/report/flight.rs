@@ -14,7 +14,7 @@ type Row = (&'static str, &'static str, &'static str, &'static [(&'static str, &
 
 const DEG: f64 = 180.0 / std::f64::consts::PI;
 
-const VARIABLES: [Row; 11] = [
+const VARIABLES: [Row; 12] = [
     ("velocity", "Inertial velocity", "m/s", &[("velocity_m_s", "", 1.0)]),
     ("flight-path", "Inertial flight-path angle", "°", &[("flight_path_angle_rad", "", DEG)]),
     ("altitude", "Altitude", "km", &[("altitude_m", "", 1e-3)]),
@@ -33,6 +33,7 @@ const VARIABLES: [Row; 11] = [
     ),
     ("attitude", "Attitude", "°", &[("theta_rad", "pitch θ", DEG), ("phi_rad", "roll φ", DEG)]),
     ("tvc-force", "TVC force, pitch loop", "kN", &[("tvc_pitch_force_n", "", 1e-3)]),
+    ("azimuth", "Azimuth off that of the launch", "°", &[("azimuth_departure_rad", "", DEG)]),
     ("cross-range", "Distance from the launch plane", "m", &[("cross_range_m", "", 1.0)]),
 ];
 

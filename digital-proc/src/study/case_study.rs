@@ -81,7 +81,13 @@ pub fn run(
     mut progress: impl FnMut(usize),
 ) -> Result<CaseResults, StudyFault> {
     let profile = &plan.long.profile;
-    let short = machine::run(console, &plan.short, &Patches::shipped(), profile, &mut progress)?;
+    let short = machine::run(
+        console,
+        &plan.short,
+        &Patches::with_modes(plan.short.modes),
+        profile,
+        &mut progress,
+    )?;
     let done = short.runs.len();
     let long = fly(console, vehicle, &plan.long, |flights| progress(done + flights))?;
     let stage = (plan.long.patch.root.clone(), console.patch_hash().to_owned());

@@ -6,7 +6,7 @@
 //! whole flight, by the gravest of what it violates:
 //! * *range safety*: the instantaneous impact point leaves its corridor, the nose strays from its
 //!   command until control counts as lost, or the flight could not be computed to its end;
-//! * *load*: |Qα| exceeds the structural limit;
+//! * *load*: |Qα| in pitch exceeds the structural limit, as in claim L2;
 //! * *trajectory*: burn-out departs from that of the sound vehicle in the same conditions by more
 //!   than is accepted, as in claim L1;
 //! * *salvageable* otherwise.
@@ -169,7 +169,7 @@ impl Catalogue {
     pub fn fill(&self, out: &mut Outcome) {
         let (accept, safety) = (&self.accept, &self.range_safety);
         let limits = format!(
-            "A flight is judged by the gravest of what it violates. Range safety: the impact point leaves its corridor ({:.1} km either side at the launch point, opening by {}° a side, {:.1} km behind), or the nose is {}° from its command, or the flight was lost. Load: |Qα| above {:.0} kPa·° from the take-over of the fin tips on. Trajectory: burn-out further than {} % of velocity, {}° of flight-path angle, {} % of altitude or {} km of range from that of the sound vehicle in the same conditions. Design case.",
+            "A flight is judged by the gravest of what it violates. Range safety: the impact point leaves its corridor ({:.1} km either side at the launch point, opening by {}° a side, {:.1} km behind), or the nose is {}° from its command, or the flight was lost. Load: |Qα| in pitch above {:.0} kPa·° from the take-over of the fin tips on, as in claim L2. Trajectory: burn-out further than {} % of velocity, {}° of flight-path angle, {} % of altitude or {} km of range from that of the sound vehicle in the same conditions. Design case.",
             safety.half_width_m / 1e3,
             safety.opening_deg,
             safety.behind_m / 1e3,

@@ -14,6 +14,7 @@ pub mod claims;
 pub mod coefficients;
 pub mod control_loop;
 pub(crate) mod forms;
+pub mod higher_modes;
 pub mod linear;
 pub mod machine;
 pub mod measure;

@@ -18,7 +18,10 @@ use desk::{
     report::{Cell, Column, Table},
 };
 use vehicle::{
-    Vehicle, flight_mode::FlightScript, flight_summary::FlightSummary, reference::FlightCase,
+    Vehicle,
+    flight_mode::FlightScript,
+    flight_summary::FlightSummary,
+    reference::{FlightCase, RollDrift},
     wind::Wind,
 };
 
@@ -104,6 +107,7 @@ pub fn run(
             wind: Wind::signed(vehicle, *along, *cross)?,
             pitch_misalignment: *pitch,
             yaw_misalignment: *yaw,
+            roll_drift: RollDrift::NONE,
         })
     };
     let all = plan.modes.iter().flat_map(|mode| signs.iter().map(move |s| (mode, s)));

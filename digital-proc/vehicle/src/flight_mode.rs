@@ -223,6 +223,18 @@ mod tests {
     }
 
     #[test]
+    fn a_failure_is_moved_as_a_whole() {
+        let action = |at_s| Action { at_s, effect: Effect::Factor(Part::Tip2, 0.0) };
+        let script = FlightScript {
+            actions: [17.5, 20.0, 19.0].map(action).into(),
+            ..FlightScript::sound()
+        };
+        let times: Vec<f64> = script.occurring_at(0.0).actions.iter().map(|a| a.at_s).collect();
+        assert_eq!(times, [0.0, 2.5, 1.5]);
+        assert_eq!(FlightScript::sound().occurring_at(3.0), FlightScript::sound());
+    }
+
+    #[test]
     fn a_later_action_mends_an_earlier_one() {
         let vehicle = Vehicle::shipped().unwrap();
         let action = |at_s, effect| Action { at_s, effect };

@@ -45,6 +45,28 @@ pub struct FlightCase {
     pub pitch_misalignment: f64,
     /// Thrust misalignment in yaw, fraction of 3σ.
     pub yaw_misalignment: f64,
+    pub roll_drift: RollDrift,
+}
+
+/// Roll that the roll loop does not correct, because what it holds the vehicle to starts off and
+/// drifts (paper, §4.2: "small uncorrected roll drift").
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RollDrift {
+    /// Roll at lift-off, rad.
+    pub initial_rad: f64,
+    /// Rate at which the reference of the roll loop drifts on, rad/s.
+    pub rate_radps: f64,
+    /// Whether the attitude errors of pitch and yaw are resolved through the roll angle.
+    pub resolved: bool,
+}
+
+impl RollDrift {
+    pub const NONE: RollDrift = RollDrift { initial_rad: 0.0, rate_radps: 0.0, resolved: true };
+
+    /// What the roll loop takes for zero, rad.
+    pub fn reference_rad(&self, time_s: f64) -> f64 {
+        self.initial_rad + self.rate_radps * time_s
+    }
 }
 
 impl FlightCase {
@@ -56,6 +78,7 @@ impl FlightCase {
             wind: Wind::Calm,
             pitch_misalignment: 0.0,
             yaw_misalignment: 0.0,
+            roll_drift: RollDrift::NONE,
         }
     }
 
@@ -71,6 +94,7 @@ impl FlightCase {
             wind: Wind::design_case(vehicle)?,
             pitch_misalignment: case.misalign_pitch,
             yaw_misalignment: case.misalign_yaw,
+            roll_drift: RollDrift::NONE,
         })
     }
 }
@@ -101,6 +125,8 @@ fn instant(
         incidence_offset_rad: state.range_angle_rad - flow.air_path_angle_rad,
         yaw_incidence_offset_rad: flow.crosswind_angle_rad,
         misalignment: [case.pitch_misalignment, case.yaw_misalignment],
+        roll_reference_rad: case.roll_drift.reference_rad(time_s),
+        errors_resolved: case.roll_drift.resolved,
     };
     Ok((Instant { inputs, edges }, flow))
 }
@@ -205,7 +231,7 @@ pub fn fly(
     let mut monitor = FlightMonitor::new(vehicle);
     let mut y = joined(
         TrajectoryState::at_lift_off(vehicle).to_array(),
-        AttitudeState::on_pad(vehicle).to_array(),
+        AttitudeState::on_pad(vehicle, case.roll_drift.initial_rad).to_array(),
     );
     for n in 0..=steps {
         let time_s = n as f64 / rate;
@@ -268,7 +294,7 @@ pub fn fly_partitioned(
     let frames = steps / u64::from(steps_per_frame);
     let mut monitor = FlightMonitor::new(vehicle);
     let mut translation = TrajectoryState::at_lift_off(vehicle);
-    let mut rotation = AttitudeState::on_pad(vehicle);
+    let mut rotation = AttitudeState::on_pad(vehicle, case.roll_drift.initial_rad);
     for frame in 0..=frames {
         let first_step = frame * u64::from(steps_per_frame);
         let time_s = first_step as f64 / rate;

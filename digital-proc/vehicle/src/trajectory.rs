@@ -89,6 +89,9 @@ pub struct TrajectoryState {
     pub cross_m: f64,
 }
 
+/// A path this near to the vertical has no azimuth worth the name, rad (5°).
+pub const VERTICAL_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
 /// Number of translational states.
 pub const STATE_LEN: usize = 6;
 
@@ -124,11 +127,12 @@ impl TrajectoryState {
         Self { speed_mps, path_angle_rad, altitude_m, range_angle_rad, cross_speed_mps, cross_m }
     }
 
-    /// Departure of the flight azimuth from that of the launch, rad, positive to starboard;
-    /// without meaning while the path is vertical.
-    pub fn azimuth_departure_rad(&self) -> f64 {
-        let along_mps = self.speed_mps * libm::cos(self.path_angle_rad);
-        libm::atan2(self.cross_speed_mps, along_mps)
+    /// Departure of the flight azimuth from that of the launch, rad, positive to starboard; none
+    /// while the path is vertical within [`VERTICAL_RAD`].
+    pub fn azimuth_departure_rad(&self) -> Option<f64> {
+        let along = libm::cos(self.path_angle_rad);
+        let azimuth_rad = libm::atan2(self.cross_speed_mps, self.speed_mps * along);
+        (along.abs() > libm::sin(VERTICAL_RAD)).then_some(azimuth_rad)
     }
 }
 

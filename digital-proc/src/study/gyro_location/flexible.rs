@@ -2,67 +2,17 @@
 //!
 //! Mode i beside the first adds η̈ᵢ + 2ζᵢωᵢη̇ᵢ + ωᵢ²ηᵢ = (φᵢ/Mᵢ)(F_F + F_T), eq. (24), and reaches the
 //! sensors as θ̇ + Σ λᵢη̇ᵢ and θ + Σ λᵢηᵢ, eq. (25). Drift, gyro, filter and actuators are those of
-//! [`plane_matrix`], in its order of states; pairs (ηᵢ, η̇ᵢ) follow.
+//! [`matrix_with`], in its order of states; pairs (ηᵢ, η̇ᵢ) follow.
 
 use crate::study::short_period::{
     coefficients::Plane,
+    higher_modes::HigherMode,
     linear::{
-        ChannelGains, Root, plane_matrix, roots_of,
-        state::{ETA, FILTERED, GYRO, GYRO_SLOPE, THETA, TIP, TVC},
+        ChannelGains, Root, matrix_with, roots_of,
+        state::{ETA, FILTERED, FIRST_HIGHER, GYRO, THETA, TIP, TVC},
     },
 };
 use nalgebra::DMatrix;
-use vehicle::{
-    Vehicle,
-    beam_shape::{FREE_FREE, shapes_at},
-};
-
-/// Modes of a flexible vehicle.
-pub const MODES: usize = 3;
-/// Order of the first mode's plane.
-const RIGID_AND_FIRST: usize = 10;
-
-/// A bending mode beyond the first, at the sensors and the control forces.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HigherMode {
-    /// ω, rad/s.
-    pub frequency_radps: f64,
-    /// ζ.
-    pub damping: f64,
-    /// φ/M, 1/kg.
-    pub drive: f64,
-    /// λ at the rate gyro, 1/m.
-    pub gyro_slope: f64,
-    /// λ at the attitude reference, 1/m.
-    pub imu_slope: f64,
-}
-
-/// Station of the attitude reference, m from the nozzle exit (equipment bay).
-pub const IMU_STATION_M: f64 = 19.5;
-
-/// Slope −dφ/dx of the free-free mode `mode` (0 is the first), φ(0) = 1, of a uniform beam of the
-/// vehicle's length, 1/m.
-pub fn free_free_slope(vehicle: &Vehicle, mode: usize, station_m: f64) -> f64 {
-    -shapes_at(vehicle.data().geometry.length_m, station_m).slope[2 + mode]
-}
-
-/// Modes 2 and 3 beside the first, all estimates from the uniform free-free beam: ωᵢ = ω₁(kᵢ/k₁)²,
-/// φ at the control forces and λ from its shapes; generalised mass and ζ of the first mode.
-pub fn higher_modes(vehicle: &Vehicle, plane: &Plane, gyro_station_m: f64) -> [HigherMode; 2] {
-    let data = vehicle.data();
-    let geometry = &data.geometry;
-    let between_actuators_m = (geometry.tip_x_m + geometry.injection_x_m) / 2.0;
-    let phi = shapes_at(geometry.length_m, between_actuators_m).value;
-    let first = plane.bending_spring.sqrt();
-    let mass_kg = data.bending.displacement_at_control / plane.bending_drive;
-    [1, 2].map(|mode| HigherMode {
-        frequency_radps: first * (FREE_FREE[mode] / FREE_FREE[0]).powi(2),
-        damping: data.bending.damping_ratio,
-        drive: phi[2 + mode] / mass_kg,
-        gyro_slope: free_free_slope(vehicle, mode, gyro_station_m),
-        imu_slope: free_free_slope(vehicle, mode, IMU_STATION_M),
-    })
-}
 
 /// A linear plane and the natural frequencies of its modes, rad/s.
 #[derive(Clone, Debug)]
@@ -112,23 +62,7 @@ impl Flexible {
 
     /// State matrix, both channels showing `gains`.
     pub fn matrix(&self, gains: ChannelGains) -> DMatrix<f64> {
-        let plane = &self.plane;
-        let order = RIGID_AND_FIRST + 2 * self.higher.len();
-        let mut a = DMatrix::zeros(order, order);
-        a.view_mut((0, 0), (RIGID_AND_FIRST, RIGID_AND_FIRST))
-            .copy_from(&plane_matrix(plane, gains));
-        for (i, mode) in self.higher.iter().enumerate() {
-            let (eta, rate) = (RIGID_AND_FIRST + 2 * i, RIGID_AND_FIRST + 2 * i + 1);
-            a[(eta, rate)] = 1.0;
-            a[(rate, eta)] = -mode.frequency_radps * mode.frequency_radps;
-            a[(rate, rate)] = -2.0 * mode.damping * mode.frequency_radps;
-            a[(rate, TIP)] = mode.drive * plane.tip_force;
-            a[(rate, TVC)] = mode.drive;
-            a[(GYRO_SLOPE, rate)] = plane.gyro_spring * mode.gyro_slope;
-            a[(FILTERED, eta)] = -plane.filter_pole * mode.imu_slope;
-            a[(TVC, eta)] = -plane.tvc_bandwidth * plane.tvc_gain * gains.tvc * mode.imu_slope;
-        }
-        a
+        matrix_with(&self.plane, &self.higher, gains)
     }
 
     /// The root of each mode: the pair nearest to jω of its natural frequency.
@@ -168,7 +102,7 @@ impl Flexible {
                 c[GYRO] = -plane.tvc_gain * plane.tvc_lead;
                 c[ETA] = -plane.tvc_gain * plane.imu_slope;
                 for (i, mode) in self.higher.iter().enumerate() {
-                    c[RIGID_AND_FIRST + 2 * i] = -plane.tvc_gain * mode.imu_slope;
+                    c[FIRST_HIGHER + 2 * i] = -plane.tvc_gain * mode.imu_slope;
                 }
             }
         }
@@ -180,15 +114,16 @@ impl Flexible {
 mod tests {
     use super::*;
     use crate::study::short_period::{
-        coefficients::Disturbance, linear::plane_roots, point::FrozenPoint,
+        coefficients::Disturbance, higher_modes::higher_modes, linear::plane_roots,
+        point::FrozenPoint,
     };
-    use vehicle::slice;
+    use vehicle::{Vehicle, beam_shape::shapes_at, slice};
 
     fn at(vehicle: &Vehicle, time_s: f64, gyro_station_m: f64) -> Flexible {
         let point = slice::points(vehicle, &[("", time_s)]).unwrap().remove(0);
         let frozen = FrozenPoint::new(vehicle, &point, &point.settings.gains);
         let plane = Plane::new(&frozen, &Disturbance::NONE);
-        Flexible::new(plane, &higher_modes(vehicle, &plane, gyro_station_m))
+        Flexible::new(plane, &higher_modes(vehicle, &frozen, gyro_station_m))
     }
 
     /// Figures of an independent formulation, to their last digit.

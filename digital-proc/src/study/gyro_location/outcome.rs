@@ -1,7 +1,7 @@
 //! Gyro stations and margins for people and machines.
 
 use super::{
-    flexible::{Actuator, MODES},
+    flexible::Actuator,
     run::{FilterChoice, LoopMargin, Station, Survey, nominal_station_m, slope_pm},
 };
 use desk::{
@@ -11,7 +11,7 @@ use desk::{
         plot::{Axis, Draw, LineChart, Series},
     },
 };
-use vehicle::Vehicle;
+use vehicle::{Vehicle, beam_shape::MODES};
 
 /// Least damping ratio that a bending mode must keep, that of the shipped design's criteria.
 const LEAST_DAMPING: f64 = 0.004;

@@ -1,7 +1,7 @@
 //! Every point over the stations of the gyro, and its loops opened.
 
 use super::{
-    flexible::{Actuator, Flexible, HigherMode, MODES, OpenLoop, free_free_slope, higher_modes},
+    flexible::{Actuator, Flexible, OpenLoop},
     margins::{self, ModeMargin},
 };
 use crate::{
@@ -10,6 +10,7 @@ use crate::{
         fault::StudyFault,
         short_period::{
             coefficients::{Disturbance, Plane, Settings},
+            higher_modes::{free_free_slope, higher_modes},
             linear::{ChannelGains, roots_of},
             point::FrozenPoint,
         },
@@ -17,7 +18,7 @@ use crate::{
 };
 use interface::control::LinearModel;
 use nalgebra::DMatrix;
-use vehicle::{Vehicle, slice::SlicePoint};
+use vehicle::{Vehicle, beam_shape::MODES, slice::SlicePoint};
 
 /// A filter so fast that it is none, rad/s: thirty times the third mode.
 const NO_FILTER_RADPS: f64 = 3e4;
@@ -88,8 +89,7 @@ pub struct Survey {
 /// The pitch plane at a point with the gyro at a station.
 fn flexible(vehicle: &Vehicle, point: &FrozenPoint, station_m: f64, modes: usize) -> Flexible {
     let plane = Plane::new(point, &Disturbance::NONE);
-    let higher: [HigherMode; 2] = higher_modes(vehicle, &plane, station_m);
-    Flexible::new(plane, &higher[..modes - 1])
+    Flexible::new(plane, &higher_modes(vehicle, point, station_m)[..modes - 1])
 }
 
 /// What the channels may show at a point.

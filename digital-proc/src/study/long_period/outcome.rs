@@ -103,7 +103,7 @@ fn range_safety(results: &LongPeriodResults, out: &mut Outcome) {
         Column::new("Mode", "", |m| m.name.as_str().into()),
         Column::of("Cross-range", "m", 4, |m| flight(m, |f| f.cross_range_m)),
         Column::of("Azimuth off by", "°", 3, |m| {
-            flight(m, |f| f.end.azimuth_departure_rad().to_degrees())
+            if_ever(m, |f| f.end.azimuth_departure_rad().map(f64::to_degrees))
         }),
         Column::new("Impact point down the track", "km", |m| {
             if_ever(m, |f| f.impact.map(|i| i.downrange_m / 1e3))
@@ -209,7 +209,8 @@ fn flight_table(results: &LongPeriodResults) -> Table {
         Column::new("Range", "m", |r| flight(r, |f| f.range_m)),
         Column::of("Cross-range", "m", 4, |r| flight(r, |f| f.cross_range_m)),
         Column::of("Azimuth off by", "deg", 3, |r| {
-            flight(r, |f| f.end.azimuth_departure_rad().to_degrees())
+            let end = r.1.ended.as_ref().ok().map(|f| f.end);
+            end.and_then(|e| e.azimuth_departure_rad()).map(f64::to_degrees).into()
         }),
         Column::of("Corridor used", "%", 3, |r| flight(r, |f| 100.0 * f.corridor_used)),
         Column::new("Max Qα", "Pa deg", |r| flight(r, |f| f.max_q_alpha.value)),
@@ -245,7 +246,7 @@ struct Variable {
 
 /// The paper's ten variables, pitch and roll being the two of its (ix); the load with the yaw
 /// incidence, and the way across.
-const VARIABLES: [Variable; 13] = [
+const VARIABLES: [Variable; 14] = [
     variable(["velocity_m_s", "m/s"], ["velocity", "Inertial velocity", "m/s"], |s| {
         s.trajectory.speed_mps
     }),
@@ -280,6 +281,11 @@ const VARIABLES: [Variable; 13] = [
     variable(["cross_range_m", "m"], ["cross-range", "Distance from the launch plane", "m"], |s| {
         s.trajectory.cross_m
     }),
+    variable(
+        ["azimuth_departure_deg", "deg"],
+        ["azimuth", "Azimuth off that of the launch", "°"],
+        |s| s.trajectory.azimuth_departure_rad().map_or(f64::NAN, f64::to_degrees),
+    ),
     variable(["theta_deg", "deg"], ["pitch", "Pitch angle", "°"], |s| s.angle_rad[0].to_degrees()),
     variable(["phi_deg", "deg"], ["roll", "Roll angle", "°"], |s| s.angle_rad[2].to_degrees()),
     variable(["tvc_pitch_force_kn", "kN"], ["tvc", "TVC force, pitch loop", "kN"], |s| {

@@ -33,7 +33,7 @@ use vehicle::{
     Vehicle,
     flight_mode::{FlightScript, Schedule},
     flight_summary::{FlightSample, FlightSummary},
-    reference::FlightCase,
+    reference::{FlightCase, RollDrift},
     structure::{Structure, StructureError},
     wind::Wind,
 };
@@ -131,6 +131,7 @@ pub fn run(
             wind: wind.of(vehicle)?,
             pitch_misalignment: misalignment[0],
             yaw_misalignment: misalignment[1],
+            roll_drift: RollDrift::NONE,
         })
     };
     let cases = flights.iter().map(case).collect::<Result<Vec<_>, StudyFault>>()?;

@@ -4,6 +4,7 @@
 //! loops and the reference integration, so that all three are about one model. Yaw is the
 //! same plane as pitch with the lateral speed counted positive to port.
 
+use super::higher_modes::{self, HIGHER, HigherMode};
 use super::point::FrozenPoint;
 
 /// What disturbs a run, as fractions of the point's own figures.
@@ -34,13 +35,17 @@ macro_rules! plane {
         /// Departs from the paper, eq. (21): the damping term `M_q/I θ̇` is kept, which
         /// the printed equation lacks.
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub struct Plane { $($(#[$doc])* pub $field: f64,)* }
+        pub struct Plane {
+            $($(#[$doc])* pub $field: f64,)*
+            /// Second and third bending mode, where there are more than one.
+            pub higher: Option<[HigherMode; HIGHER]>,
+        }
 
         impl Plane {
             /// Coefficients of a point under a disturbance. Mass, inertia, speed and
             /// time constants of a frozen point are positive.
             pub fn new($point: &FrozenPoint, $disturbance: &Disturbance) -> Plane {
-                Plane { $($field: $value,)* }
+                Plane { $($field: $value,)* higher: None }
             }
 
             fn values(&self) -> Vec<(&'static str, f64)> {
@@ -111,7 +116,8 @@ plane! { p, of;
     gust ["plane.gust"] of.gust * p.gust_mps * libm::sin(p.gamma_rad) / p.speed_mps;
 }
 
-/// What a run is set to: `pitch-loop.toml`, or `yaw-roll-loop.toml` where there is roll.
+/// What a run is set to: `pitch-loop.toml`, `pitch-loop-modes.toml` where there are higher modes, or
+/// `yaw-roll-loop.toml` where there is roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The pitch or the yaw plane.
@@ -192,6 +198,7 @@ impl Settings {
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let plane = &self.plane;
         let mut all = plane.values();
+        all.extend(plane.higher.iter().flat_map(higher_modes::values));
         match &self.roll {
             None => all.extend([("fin_force", plane.tip_force), ("theta_c", self.command_rad)]),
             Some(roll) => all.extend([

@@ -9,6 +9,7 @@ use crate::matrix_exp::matrix_exp;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::coefficients::Plane;
+use super::higher_modes::{HIGHER, HigherMode};
 
 /// Gains shown by the two channels, as fractions of the linear ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +63,12 @@ pub(crate) mod state {
     pub const ETA: usize = 7;
     pub const ETA_RATE: usize = 8;
     pub const FILTERED: usize = 9;
+    /// η of the second mode, of [`super::matrix_with`]; pairs η_i, η̇_i follow.
+    pub const FIRST_HIGHER: usize = 10;
 }
-use state::{DRIFT, ETA, ETA_RATE, FILTERED, GYRO, GYRO_SLOPE, RATE, THETA, TIP, TVC};
+use state::{
+    DRIFT, ETA, ETA_RATE, FILTERED, FIRST_HIGHER, GYRO, GYRO_SLOPE, RATE, THETA, TIP, TVC,
+};
 
 /// State matrix of a plane, states: drift rate, θ, θ̇, δ, F_T, gyro rate, gyro
 /// slope, η, η̇, filtered error; shape `[10][10]`.
@@ -103,6 +108,30 @@ pub fn plane_matrix(plane: &Plane, gains: ChannelGains) -> SMatrix<f64, 10, 10> 
     a
 }
 
+/// The same with modes beyond the first behind, each as η_i, η̇_i; shape `[10 + 2n][10 + 2n]`.
+pub fn matrix_with(plane: &Plane, higher: &[HigherMode], gains: ChannelGains) -> DMatrix<f64> {
+    let order = FIRST_HIGHER + 2 * higher.len();
+    let mut a = DMatrix::zeros(order, order);
+    a.view_mut((0, 0), (FIRST_HIGHER, FIRST_HIGHER)).copy_from(&plane_matrix(plane, gains));
+    for (i, mode) in higher.iter().enumerate() {
+        let (eta, rate) = (FIRST_HIGHER + 2 * i, FIRST_HIGHER + 2 * i + 1);
+        a[(eta, rate)] = 1.0;
+        a[(rate, eta)] = -mode.spring();
+        a[(rate, rate)] = -mode.drag();
+        a[(rate, TIP)] = mode.drive * plane.tip_force;
+        a[(rate, TVC)] = mode.drive;
+        a[(GYRO_SLOPE, rate)] = plane.gyro_spring * mode.gyro_slope;
+        a[(FILTERED, eta)] = -plane.filter_pole * mode.imu_slope;
+        a[(TVC, eta)] = -plane.tvc_bandwidth * plane.tvc_gain * gains.tvc * mode.imu_slope;
+    }
+    a
+}
+
+/// The matrix with the modes that the plane has.
+fn whole_matrix(plane: &Plane, gains: ChannelGains) -> DMatrix<f64> {
+    matrix_with(plane, plane.higher.as_ref().map_or(&[], |higher| higher), gains)
+}
+
 /// Attitude and bending coordinate (rad, m) after a step command from rest, both channels
 /// staying in the range that `gains` describes: x(t) = ∫₀ᵗ exp(A s) b ds by the
 /// exponential of the matrix with its input appended, exact at every sample.
@@ -113,13 +142,15 @@ pub fn step_response(
     sample_s: f64,
     samples: usize,
 ) -> Vec<[f64; 2]> {
-    let mut augmented = DMatrix::zeros(11, 11);
-    augmented.view_mut((0, 0), (10, 10)).copy_from(&plane_matrix(plane, gains));
-    augmented[(TVC, 10)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
-    augmented[(FILTERED, 10)] = plane.filter_pole;
+    let matrix = whole_matrix(plane, gains);
+    let n = matrix.nrows();
+    let mut augmented = DMatrix::zeros(n + 1, n + 1);
+    augmented.view_mut((0, 0), (n, n)).copy_from(&matrix);
+    augmented[(TVC, n)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
+    augmented[(FILTERED, n)] = plane.filter_pole;
     let advance = matrix_exp(&(augmented * sample_s));
-    let mut state = DVector::zeros(11);
-    state[10] = command_rad;
+    let mut state = DVector::zeros(n + 1);
+    state[n] = command_rad;
     let mut response = vec![[0.0; 2]];
     for _ in 0..samples {
         state = &advance * state;
@@ -163,13 +194,21 @@ pub struct PlaneRoots {
     pub bending: Option<Root>,
     /// The real root or pair farthest to the right of all.
     pub rightmost: Option<Root>,
+    /// The second and third bending mode, where they are in the loop.
+    pub higher: [Option<Root>; HIGHER],
 }
 
 /// Picks the attitude and bending roots.
 pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
-    let all = roots(&plane_matrix(plane, gains));
+    let all = roots_of(whole_matrix(plane, gains));
     let bending_frequency = plane.bending_spring.sqrt();
     let pairs = || all.iter().copied().filter(|r| r.imaginary > 0.0);
+    let nearest = |frequency: f64| {
+        pairs().min_by(|a, b| {
+            let off = |r: &Root| (r.imaginary - frequency).abs();
+            off(a).total_cmp(&off(b))
+        })
+    };
     // The drift root is slow; a pair below 0.5 rad/s is drift, not attitude.
     const DRIFT_RADPS: f64 = 0.5;
     PlaneRoots {
@@ -178,11 +217,11 @@ pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
                 r.frequency_radps() > DRIFT_RADPS && r.frequency_radps() < bending_frequency / 2.0
             })
             .min_by(|a, b| a.damping().total_cmp(&b.damping())),
-        bending: pairs().min_by(|a, b| {
-            let off = |r: &Root| (r.imaginary - bending_frequency).abs();
-            off(a).total_cmp(&off(b))
-        }),
+        bending: nearest(bending_frequency),
         rightmost: all.iter().copied().max_by(|a, b| a.real.total_cmp(&b.real)),
+        higher: plane
+            .higher
+            .map_or([None; HIGHER], |modes| modes.map(|mode| nearest(mode.frequency_radps))),
     }
 }
 

@@ -29,8 +29,13 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// As shipped.
+    /// As shipped, the pitch loop with its first bending mode.
     pub fn shipped() -> Patches {
+        Patches::with_modes(1)
+    }
+
+    /// As shipped, the pitch loop with so many bending modes.
+    pub fn with_modes(modes: usize) -> Patches {
         macro_rules! files {
             ($($name:literal),*) => {
                 [$(($name, include_str!(concat!("../../../../patch-files/", $name)))),*]
@@ -39,9 +44,20 @@ impl Patches {
             };
         }
         Patches {
-            pitch: PatchBundle {
-                root: "pitch-loop.toml".to_owned(),
-                files: files!["pitch-loop.toml", "sub/stage-plane.toml", "sub/fin-tip.toml"],
+            pitch: match modes {
+                0 | 1 => PatchBundle {
+                    root: "pitch-loop.toml".to_owned(),
+                    files: files!["pitch-loop.toml", "sub/stage-plane.toml", "sub/fin-tip.toml"],
+                },
+                _ => PatchBundle {
+                    root: "pitch-loop-modes.toml".to_owned(),
+                    files: files![
+                        "pitch-loop-modes.toml",
+                        "sub/stage-plane.toml",
+                        "sub/bending-mode.toml",
+                        "sub/fin-tip.toml"
+                    ],
+                },
             },
             yaw_roll: PatchBundle {
                 root: "yaw-roll-loop.toml".to_owned(),

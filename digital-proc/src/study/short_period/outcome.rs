@@ -94,6 +94,16 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                     r.measures.roots.bending.map(|r| r.damping()).into()
                 }),
             ]);
+            if results.plan.modes > 1 {
+                columns.extend([
+                    Column::new("ζ, bending 2", "", |r: &Run| {
+                        r.measures.roots.higher[0].map(|r| r.damping()).into()
+                    }),
+                    Column::new("ζ, bending 3", "", |r: &Run| {
+                        r.measures.roots.higher[1].map(|r| r.damping()).into()
+                    }),
+                ]);
+            }
             let caption = format!(
                 "Measures of each pitch run. Settling is to {:.0} % of the step about the final value; the residual is the peak-to-peak attitude from 5 to 10 s without its parabolic trend; η is the bending envelope over that of the first 2 s. Eigenvalues are those of the loop with both channels linear.",
                 100.0 * PITCH_BAND

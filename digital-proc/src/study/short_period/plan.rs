@@ -8,6 +8,7 @@
 
 use super::coefficients::{Disturbance, Offsets, Settings};
 use super::control_loop::{ControlLoop, Test};
+use super::higher_modes::of_a_loop;
 use super::moment;
 use super::places::{gyro_stations, locate_all};
 use super::point::FrozenPoint;
@@ -28,6 +29,8 @@ pub struct Plan {
     pub sample: Tick,
     /// Step command of the pitch test, rad.
     pub step_rad: f64,
+    /// Bending modes in the pitch loop.
+    pub modes: usize,
     /// The points in the study's order.
     pub points: Vec<PlannedPoint>,
     /// The conditions in the study's order.
@@ -72,6 +75,7 @@ impl Plan {
             duration_s: study.duration_s,
             sample: Tick(i64::from(study.sample_ms) * 1_000_000),
             step_rad: study.pitch.step_deg.to_radians(),
+            modes: study.pitch.modes as usize,
             points: slices.into_iter().map(named).collect(),
             conditions: study.conditions.clone(),
             structure: Structure::new(vehicle),
@@ -124,13 +128,17 @@ impl Plan {
                     (Test::Shared, entry.yaw_roll && has_ftc),
                     (Test::Dedicated, entry.yaw_roll && has_ftc && entry.dedicated),
                 ];
+                let gyro_x_m = entry.gyro.map_or(vehicle.data().bending.gyro_x_m, |(x_m, _)| x_m);
                 for (test, _) in tests.into_iter().filter(|(_, asked)| *asked) {
-                    let settings = match test {
+                    let mut settings = match test {
                         Test::Disturbed => Settings::pitch(&frozen, &shaken, step_rad),
                         Test::StepOnly => Settings::pitch(&frozen, &Disturbance::NONE, step_rad),
                         Test::Shared => Settings::yaw_roll(&frozen, &yaw_roll, initial, false),
                         Test::Dedicated => Settings::yaw_roll(&frozen, &yaw_roll, initial, true),
                     };
+                    if test.control_loop() == ControlLoop::Pitch {
+                        settings.plane.higher = of_a_loop(vehicle, &frozen, gyro_x_m, self.modes);
+                    }
                     cases.push(Case { point, condition, test, frozen, settings });
                 }
             }

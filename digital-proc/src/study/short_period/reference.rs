@@ -9,6 +9,7 @@
 
 use super::coefficients::{Plane, Settings};
 use super::control_loop::{ControlLoop, Response};
+use super::higher_modes::HIGHER;
 use super::plan::Plan;
 use super::results::{Results, Run};
 
@@ -29,7 +30,9 @@ const ROLL: usize = 11;
 const ROLL_RATE: usize = 12;
 const ROLL_GYRO: usize = 13;
 const ROLL_GYRO_SLOPE: usize = 14;
-type State = [f64; 15];
+/// η₂, η̇₂, η₃, η̇₃.
+const HIGHER_MODES: usize = 15;
+type State = [f64; 15 + 2 * HIGHER];
 
 fn dead_zone(x: f64, half_width: f64) -> f64 {
     if x > half_width {
@@ -61,6 +64,13 @@ fn drift_acceleration(plane: &Plane, x: &[f64], fin_force: f64) -> f64 {
         - plane.normal_pull * incidence(plane, x)
 }
 
+/// What the attitude reference feels of attitude and bending.
+fn sensed_attitude(plane: &Plane, x: &State) -> f64 {
+    let higher = plane.higher.iter().flatten().enumerate();
+    let felt = higher.map(|(i, mode)| mode.imu_slope * x[HIGHER_MODES + 2 * i]);
+    x[THETA] + plane.imu_slope * x[ETA] + felt.sum::<f64>()
+}
+
 /// Yaw (or pitch) and roll force of the tips.
 fn tip_forces(plane: &Plane, x: &State) -> [f64; 2] {
     [x[TIP2] + x[TIP4], x[TIP2] - x[TIP4]].map(|sum| plane.tip_force * sum / 2.0)
@@ -68,7 +78,7 @@ fn tip_forces(plane: &Plane, x: &State) -> [f64; 2] {
 
 fn derivative(settings: &Settings, x: &State) -> State {
     let plane = &settings.plane;
-    let mut dx = [0.0; 15];
+    let mut dx = [0.0; 15 + 2 * HIGHER];
     let [fin_force, roll_force] = tip_forces(plane, x);
     let alpha = incidence(plane, x);
     dx[DRIFT] = drift_acceleration(plane, x, fin_force);
@@ -82,10 +92,17 @@ fn derivative(settings: &Settings, x: &State) -> State {
     dx[ETA_RATE] = plane.bending_drive * (fin_force + x[TVC])
         - plane.bending_drag * x[ETA_RATE]
         - plane.bending_spring * x[ETA];
-    let station_rate = x[RATE] + plane.gyro_slope * x[ETA_RATE];
+    let mut station_rate = x[RATE] + plane.gyro_slope * x[ETA_RATE];
+    for (i, mode) in plane.higher.iter().flatten().enumerate() {
+        let (eta, rate) = (HIGHER_MODES + 2 * i, HIGHER_MODES + 2 * i + 1);
+        dx[eta] = x[rate];
+        dx[rate] =
+            mode.drive * (fin_force + x[TVC]) - mode.drag() * x[rate] - mode.spring() * x[eta];
+        station_rate += mode.gyro_slope * x[rate];
+    }
     dx[GYRO] = x[GYRO_SLOPE];
     dx[GYRO_SLOPE] = plane.gyro_spring * (station_rate - x[GYRO]) - plane.gyro_drag * x[GYRO_SLOPE];
-    let attitude_error = settings.command_rad - (x[THETA] + plane.imu_slope * x[ETA]);
+    let attitude_error = settings.command_rad - sensed_attitude(plane, x);
     let tvc_error = attitude_error - plane.tvc_lead * x[GYRO];
     let tvc_command =
         limited(plane.tvc_gain * dead_zone(tvc_error, plane.dead_zone), plane.tvc_limit);
@@ -143,7 +160,7 @@ pub fn grid(plan: &Plan, step_s: f64) -> Grid {
 pub fn run(settings: &Settings, grid: &Grid) -> Response {
     let plane = &settings.plane;
     let mut response = Response::new(ControlLoop::of(settings), grid.sample_s);
-    let mut x: State = [0.0; 15];
+    let mut x: State = [0.0; 15 + 2 * HIGHER];
     if let Some(roll) = &settings.roll {
         x[THETA] = roll.initial.yaw_rad;
         x[RATE] = roll.initial.yaw_rate_radps;
@@ -156,7 +173,7 @@ pub fn run(settings: &Settings, grid: &Grid) -> Response {
         let alpha = incidence(plane, &x);
         match settings.roll {
             None => {
-                let attitude = x[THETA] + plane.imu_slope * x[ETA];
+                let attitude = sensed_attitude(plane, &x);
                 let tvc_error = settings.command_rad - attitude - plane.tvc_lead * x[GYRO];
                 response.push([
                     x[THETA], x[RATE], alpha, x[ETA], fin_force, x[TVC], x[TIP2], x[DRIFT],

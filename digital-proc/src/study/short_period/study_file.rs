@@ -55,6 +55,7 @@ table! { "The pitch test." PitchTest
     step_deg: f64 = ranged("step-deg", None, "a step other than 0 deg", |deg| deg != 0.0), "Step command, deg; measures are fractions of it.";
     misalignment: f64 = number_in("misalignment", Any), "Fraction of the three-sigma misalignment.";
     gust: f64 = number_in("gust", Any), "Fraction of the step gust.";
+    modes: u32 = whole_in("modes", Some(1), 1..=3), "Bending modes in the loop.";
 }
 
 table! { "The yaw–roll test." YawRollTest

@@ -8,7 +8,7 @@
 //!
 //! Error resolution through roll (paper §4.2):
 //! * e_θ = θ_c − θ, e_ψ = −ψ
-//! * e_p = e_θ c + e_ψ s, e_y = −e_θ s + e_ψ c
+//! * e_p = e_θ c + e_ψ s, e_y = −e_θ s + e_ψ c; unresolved e_p = e_θ, e_y = e_ψ
 //!
 //! Body rates and rate gyros g_p (pitch), g_y (yaw), g_r (roll):
 //! * q = θ̇ c + ψ̇ s, r = −θ̇ s + ψ̇ c, p = φ̇ (departs from the paper, eqs.
@@ -17,7 +17,7 @@
 //!
 //! FTC channels with the bending filter (corner ω_f) in pitch and yaw:
 //! * ḟ_p = ω_f (e_p − T_F g_p − f_p), ḟ_y = ω_f (e_y − T_F g_y − f_y)
-//! * u_θ = K_F f_p, u_ψ = K_F f_y, u_φ = −K_φ(φ + T_φ g_r)
+//! * u_θ = K_F f_p, u_ψ = K_F f_y, u_φ = K_φ(φ_r − φ − T_φ g_r)
 //!
 //! Tips: one pair for pitch, tips 2 and 4 shared by yaw and roll:
 //! * δ̇_p = sat((sat(u_θ, δ_max) − δ_p)/τ_F, δ̇_max)
@@ -74,8 +74,9 @@ pub struct AttitudeState {
 
 impl AttitudeState {
     /// On the pad: pointing up, everything else zero.
-    pub fn on_pad(vehicle: &Vehicle) -> Self {
+    pub fn on_pad(vehicle: &Vehicle, roll_rad: f64) -> Self {
         let mut state = Self::from_array([0.0; STATE_LEN]);
+        state.angle_rad[2] = roll_rad;
         state.angle_rad[0] = vehicle.data().pitch_programme.theta0_deg.to_radians();
         state
     }
@@ -119,6 +120,10 @@ pub struct AttitudeInputs {
     pub yaw_incidence_offset_rad: f64,
     /// Thrust misalignment in pitch and yaw, fractions of 3σ.
     pub misalignment: [f64; 2],
+    /// φ_r, what the roll loop takes for zero, rad.
+    pub roll_reference_rad: f64,
+    /// Whether the errors are resolved through roll.
+    pub errors_resolved: bool,
 }
 
 /// Limits to ±`limit`.
@@ -169,7 +174,11 @@ pub fn derivative(
 
     let e_theta = inputs.pitch_command_rad - theta;
     let e_psi = -psi;
-    let errors = [e_theta * c + e_psi * s, -e_theta * s + e_psi * c];
+    let errors = if inputs.errors_resolved {
+        [e_theta * c + e_psi * s, -e_theta * s + e_psi * c]
+    } else {
+        [e_theta, e_psi]
+    };
     let body_rates = [theta_rate * c + psi_rate * s, -theta_rate * s + psi_rate * c, phi_rate];
 
     let (wn, zeta) = (data.gyro.natural_frequency_radps, data.gyro.damping_ratio);
@@ -186,7 +195,8 @@ pub fn derivative(
     let tvc_gain_nprad = settings.tvc_gain_nprad();
     let u_theta = ftc_gain[0] * state.filter_rad[0];
     let u_psi = ftc_gain[1] * state.filter_rad[1];
-    let u_phi = -settings.roll_gain * (phi + settings.roll_lead_s * state.gyro_radps[2]);
+    let u_phi = settings.roll_gain
+        * (inputs.roll_reference_rad - phi - settings.roll_lead_s * state.gyro_radps[2]);
     let travel = data.ftc.delta_max_deg.to_radians();
     let slew = data.ftc.rate_max_dps.to_radians();
     let commands = [u_theta, u_psi + u_phi, u_psi - u_phi];
@@ -257,6 +267,8 @@ mod tests {
             incidence_offset_rad: 0.0,
             yaw_incidence_offset_rad: 0.0,
             misalignment: [0.0, 0.0],
+            roll_reference_rad: 0.0,
+            errors_resolved: true,
         };
         let mut state = AttitudeState::from_array([0.0; STATE_LEN]);
         let force_n =

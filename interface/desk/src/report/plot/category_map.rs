@@ -52,7 +52,7 @@ pub fn category_map(map: &CategoryMap) -> Markup {
         }
         p.scale {
             @for (i, name) in map.categories.iter().enumerate() {
-                span.nobreak.kind class=(format!("k{i}")) { (letter(i)) } " " (name) "  "
+                span class=(format!("nobreak kind k{i}")) { (letter(i)) } " " (name) "  "
             }
         }
     }
@@ -75,6 +75,7 @@ mod tests {
         assert_eq!(html.matches(">S</td>").count(), 21, "{html}");
         assert_eq!(html.matches(">L</td>").count(), 9);
         assert_eq!(html.matches("colspan=\"5\"").count(), 6);
-        assert!(html.contains(">25</th>") && html.contains("</span> load"));
+        assert!(html.contains(">25</th>"));
+        assert!(html.contains("<span class=\"nobreak kind k1\">L</span> load"), "{html}");
     }
 }
