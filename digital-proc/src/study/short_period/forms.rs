@@ -138,7 +138,7 @@ fn alpha_plane(text: &str) -> String {
     text.replace("drift_angle = ", "drift_rate = ")
 }
 
-const DRIFT: &str = r#"{ kind = "dcu", channel = 3, range = 2000, in = ["alpha", "-theta", "-gust"], max = 200.0, note = "z' = V (alpha - theta - alpha_w), m/s" }"#;
+const DRIFT: &str = r#"{ kind = "dcu", channel = 3, range = 1250, in = ["alpha", "-theta", "-gust"], max = 200.0, note = "z' = V (alpha - theta - alpha_w), m/s" }"#;
 const ALPHA: &str = r#"{ kind = "integrator", in = ["alpha_rate"], ic = 0.0, max = 1.5, note = "incidence, rad; starts at the gust" }"#;
 
 /// θ, α and ż at the samples.
