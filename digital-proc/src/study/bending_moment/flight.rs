@@ -10,12 +10,17 @@ use interface::frame::{Samples, Updates};
 use std::rc::Rc;
 use vehicle::structure::{Applied, Loads, Structure, StructureError};
 
+/// Least time between the frames that are used, s: finer ones add nothing (samples of 5 ms are
+/// within 0.02 % of such of 1 ms) and would take time from a flight on the wall clock.
+const USED_EVERY_S: f64 = 4.9e-3;
+
 /// Finds the moments of a flight frame by frame.
 pub struct FlightMoments<'s> {
     structure: &'s Structure,
     /// Fractions of 3σ in pitch and yaw.
     misalignment: [f64; 2],
     recorder: Recorder<2>,
+    used_s: f64,
     refused: Option<StructureError>,
 }
 
@@ -23,12 +28,17 @@ impl<'s> FlightMoments<'s> {
     /// Of a flight with a misalignment in pitch and yaw, fractions of 3σ.
     pub fn new(structure: &'s Structure, misalignment: [f64; 2]) -> Self {
         let recorder = Recorder::new(structure);
-        FlightMoments { structure, misalignment, recorder, refused: None }
+        let used_s = f64::NEG_INFINITY;
+        FlightMoments { structure, misalignment, recorder, used_s, refused: None }
     }
 
     /// Takes the next frame.
     pub fn observe(&mut self, result: &FrameResult) {
         let (sample, airframe) = (&result.sample, &result.airframe);
+        if sample.time_s - self.used_s < USED_EVERY_S {
+            return;
+        }
+        self.used_s = sample.time_s;
         let applied = Applied::new(self.structure.vehicle(), sample.time_s, airframe);
         let beam = match self.structure.beam(&applied) {
             Ok(beam) => Rc::new(beam),
