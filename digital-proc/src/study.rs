@@ -7,6 +7,7 @@ pub mod fault;
 pub mod gain_design;
 pub(crate) mod gyro_location;
 pub mod long_period;
+pub mod profile_cost;
 pub mod roll_drift;
 pub mod sensitivity;
 pub mod short_period;

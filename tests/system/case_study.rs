@@ -113,7 +113,7 @@ fn the_whole_case_study_holds_and_both_links_give_its_golden_numbers() {
         expect(bench.command(DIGITAL, &out).arg(&runs), 0)
     };
     let shm = String::from_utf8(run("shm").stdout).unwrap();
-    assert!(shm.contains("11 of 14 claims hold, 3 in part."), "{shm}");
+    assert!(shm.contains("8 of 15 claims hold, 7 in part."), "{shm}");
     // Where a claim holds only in part is said.
     for part in ["reversed", "reduced schedule", "burn-out"] {
         assert!(shm.contains(part), "{part}: {shm}");
@@ -136,6 +136,28 @@ fn the_whole_case_study_holds_and_both_links_give_its_golden_numbers() {
     let report = assert_self_contained(&directory.join("report.html"));
     for anchor in ["figure-4", "figure-5", "q-alpha", "figure-7", "figure-8", "matrix-residual"] {
         assert!(report.contains(&format!("id=\"{anchor}\"")), "{anchor}");
+    }
+    bench.assert_clean();
+}
+
+/// Every shipped machine reruns the paper: the same verdicts, and what its errors cost beside.
+#[test]
+fn every_shipped_profile_comes_to_the_same_verdicts() {
+    let bench = BenchTop::new();
+    let verdicts = |profile: &str| -> Vec<(String, String)> {
+        let args = ["case-study", "--link", "memory", "--no-sensitivity", "--json", "--profile"];
+        let mut command = bench.command(DIGITAL, &args);
+        let output = expect(command.arg(profile).arg("--out").arg(bench.runs()), 0);
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let cost = summary["tables"]["profile_cost"].as_array();
+        assert_eq!(cost.is_none(), profile == "ideal", "{profile}");
+        let claims = summary["claims"].as_array().unwrap();
+        let word = |c: &serde_json::Value, key: &str| c[key].as_str().unwrap().to_owned();
+        claims.iter().map(|c| (word(c, "id"), word(c, "verdict"))).collect()
+    };
+    let ideal = verdicts("ideal");
+    for profile in ["paper-class", "ad4"] {
+        assert_eq!(verdicts(profile), ideal, "{profile}");
     }
     bench.assert_clean();
 }
@@ -176,6 +198,27 @@ fn a_users_own_study_failures_and_vehicle_run_through() {
     assert_eq!(tables["pitch"][0]["condition"], "weak-motor");
     assert_eq!(tables["modes"][1]["mode"], "late-roll");
     bench.assert_clean();
+
+    // The shipped study takes another vehicle at its own switchings and by its own limits.
+    let text = include_str!("../../digital-proc/data/vehicle.toml");
+    let (before, gains) = text.split_once("[gains] ").unwrap();
+    let (_, after) = gains.split_once("K_phi").unwrap();
+    let three = "# three switchings\nt_sw = [0.0, 17.0, 30.5, 42.0]\nK_F = [0.0, 8.6, 8.0, 12.5]\nT_F = [0.0, 0.8, 0.72, 0.72]\nK_T = [4.3e3, 6.6e3, 5.6e3, 3.9e3]\nT_T = [0.8, 0.15, 0.17, 0.35]\ne_dz_deg = [0.0, 1.16, 1.25, 0.8]\n";
+    let vehicle = bench.file("three.toml", &format!("{before}[gains] {three}K_phi{after}"));
+    let mut command = bench.command(DIGITAL, &["case-study", "--json", "--no-sensitivity"]);
+    command.args(["--link", "memory"]).arg("--vehicle").arg(&vehicle);
+    command.arg("--out").arg(bench.runs().join("out"));
+    let output = command.output().unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let pitch = summary["tables"]["pitch"].as_array().unwrap();
+    let normal = pitch.iter().filter(|r| r["condition"] == "normal" && r["test"] == "disturbed");
+    let points: Vec<&str> = normal.map(|r| r["point"].as_str().unwrap()).collect();
+    assert_eq!(
+        points[3..],
+        ["ftc-switch-in", "transonic", "gain-30.5", "max-q", "gain-42", "burn-out"]
+    );
+    let claims = summary["claims"].as_array().unwrap();
+    assert!(claims.iter().all(|c| c["verdict"] != "not-judged"), "{claims:#?}");
 
     let mut alone = bench.command(DIGITAL, &["short-period", "yaw-roll", "--decoupled"]);
     alone.arg("--study").arg(&study).args(["--condition", "weak-motor"]);

@@ -139,6 +139,13 @@ fn the_claims_can_fail() {
     let calm = changed(|d| d.long_period_case.wind_sign = 0.0);
     let tail = changed(|d| d.long_period_case.wind_sign = 1.0);
     let sound = Vehicle::shipped().unwrap();
+    // Without the tips' electronics 1.5 kN is all there is.
+    let weak = changed(|d| d.tvc.force_max_n = 1_500.0);
+    let slack = changed(|d| {
+        d.gains_reduced.ftc_gain = vec![0.0, 0.2, 0.2];
+        d.gains_reduced.tvc_gain_npdeg = vec![4_200.0, 50.0, 50.0];
+    });
+    let enveloped = LongPeriodPlan { envelope: vec![0.0], ..short_plan() };
     let bare = LongPeriodPlan {
         modes: modes(&["normal", "tips-dead", "ftc-electronics"]),
         ..short_plan()
@@ -149,6 +156,14 @@ fn the_claims_can_fail() {
         ("no wind singles a load out", &calm, &short_plan(), &["L2"][..]),
         ("more than one mode exceeds the limit in a tailwind", &tail, &bare, &["L2"]),
         ("rate feedback of the wrong sign", &sound, &rewired(&wrong_sign), &["L1", "L3"]),
+        (
+            "a thrust vector too weak for a vehicle without tips",
+            &weak,
+            &short_plan(),
+            &["L1", "L2"],
+        ),
+        ("a reduced schedule with hardly any gain", &slack, &short_plan(), &["L3"]),
+        ("no load anywhere in the envelope", &calm, &enveloped, &["L2b"]),
         ("no dead zone", &sound, &rewired(&no_dead_zone), &["L2"]),
     ] {
         let results = study(vehicle, plan);

@@ -191,6 +191,8 @@ impl Engine {
         self.step.evaluations = 0;
         self.cuts = 0;
         for node in &mut self.nodes {
+            // Of another run: nothing has been left yet.
+            node.sides.fill(Rated::default());
             node.noise.fill(0.0);
         }
         self.overloads.clear();

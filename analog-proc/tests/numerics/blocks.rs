@@ -301,3 +301,19 @@ fn limited_integrator_rests_on_its_limit() {
     assert_eq!(bench.run(1.0).net("y"), 0.5);
     assert!((bench.run(2.0).net("y") - (0.5 + 2.0_f64.sin() - 1.0)).abs() < 1e-9);
 }
+
+/// A run that is reset on a corner which its signal leaves: what was seen there is of another run.
+#[test]
+fn a_reset_on_a_corner_begins_anew() {
+    let blocks = "\
+        one = { kind = \"constant\", value = 1.0 }\n\
+        nothing = { kind = \"constant\", value = 0.0 }\n\
+        x = { kind = \"integrator\", in = [\"-one\"] }\n\
+        m = { kind = \"max\", in = [\"nothing\", \"x\"] }\n";
+    let mut bench = Bench::new(blocks);
+    for _ in 0..2 {
+        bench.simulation.reset().unwrap();
+    }
+    bench.run(1.0);
+    assert_eq!(bench.net("m"), 0.0);
+}

@@ -46,7 +46,8 @@ pub struct CaseStudy {
 
 impl CaseStudy {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
-        let (vehicle, points) = (self.study.vehicle()?, self.points.load()?);
+        let vehicle = self.study.vehicle()?;
+        let points = self.points.load(&vehicle)?;
         let failures = failure_file(self.failures.as_deref())?;
         let mut dispersions = None;
         if !self.no_sensitivity {

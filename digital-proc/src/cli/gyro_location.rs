@@ -28,7 +28,8 @@ pub struct GyroLocation {
 
 impl GyroLocation {
     pub fn execute(self, context: &Context) -> Result<(), Failure> {
-        let (vehicle, study) = (self.study.vehicle()?, self.points.load()?);
+        let vehicle = self.study.vehicle()?;
+        let study = self.points.load(&vehicle)?;
         let [first, last] = vehicle.gyro_stations_m();
         let mut stations = self.stations.clone();
         if stations.is_empty() {

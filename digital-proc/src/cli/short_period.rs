@@ -7,7 +7,10 @@ use super::{
 use crate::study::short_period::{
     claims::NORMAL,
     coefficients::Disturbance,
-    control_loop::Test,
+    control_loop::{
+        Offset::{Both, LargeYaw},
+        Test,
+    },
     forms,
     machine::{self, Patches},
     offsets,
@@ -37,7 +40,7 @@ pub struct ShortPeriod {
 enum Loops {
     /// Step command in pitch under thrust misalignment and a step gust
     Pitch(Runs),
-    /// Initial offsets in yaw and roll, whose loops share the fin tips
+    /// Initial offsets in yaw (small and large) and roll, whose loops share the fin tips
     YawRoll {
         /// Tips for roll only and thrust vector for yaw only, instead of sharing the tips
         #[arg(long)]
@@ -81,7 +84,7 @@ impl ShortPeriod {
             }
             Loops::YawRoll { decoupled, runs } => {
                 let test = if decoupled { Test::Dedicated } else { Test::Shared };
-                runs.execute(context, "short-period yaw-roll", &[test])
+                runs.execute(context, "short-period yaw-roll", &[test(Both), test(LargeYaw)])
             }
             Loops::Forms(all) => all.forms(context),
             Loops::Offsets(all) => all.offsets(context),
@@ -91,7 +94,7 @@ impl ShortPeriod {
 
 impl AllPoints {
     fn plan(&self, vehicle: &Vehicle) -> Result<(Study, Plan), Failure> {
-        let study = self.points.load()?;
+        let study = self.points.load(vehicle)?;
         let plan = Plan::new(&study, vehicle)?;
         Ok((study, plan))
     }
@@ -125,11 +128,13 @@ impl AllPoints {
 
 impl Runs {
     fn execute(&self, context: &Context, command: &str, tests: &[Test]) -> Result<(), Failure> {
-        let (vehicle, mut study) = (self.study.vehicle()?, self.points.load()?);
+        let vehicle = self.study.vehicle()?;
+        let mut study = self.points.load(&vehicle)?;
         // Decoupled and undisturbed runs are there for every condition that is asked for.
         for condition in &mut study.conditions {
             condition.overshoot = true;
             condition.dedicated = true;
+            condition.offsets = true;
         }
         let mut plan = Plan::new(&study, &vehicle)?;
         let condition = Some(self.condition.as_str()).filter(|name| *name != "all");

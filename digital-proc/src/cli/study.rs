@@ -2,7 +2,7 @@
 //! on the machine.
 
 use super::{
-    Context, MachineArgs, own_or,
+    Context, MachineArgs,
     vehicle_args::{self, VehicleArgs},
 };
 use crate::{linkage::console::Console, study::short_period::study_file::Study};
@@ -69,14 +69,18 @@ impl StudyArgs {
 /// Trajectory points and operating conditions.
 #[derive(clap::Args)]
 pub(super) struct PointsArgs {
-    /// Study file of your own: trajectory points and operating conditions [default: the shipped study]
+    /// Study file of your own: trajectory points and operating conditions [default: the shipped
+    /// study, at the events and gain switchings of the vehicle in use]
     #[arg(long, value_name = "FILE")]
     study: Option<PathBuf>,
 }
 
 impl PointsArgs {
-    pub fn load(&self) -> Result<Study, Failure> {
-        own_or(self.study.as_deref(), Study::load, Study::shipped)
+    pub fn load(&self, vehicle: &Vehicle) -> Result<Study, Failure> {
+        match &self.study {
+            Some(file) => Ok(Study::load(file)?),
+            None => Ok(Study::shipped_for(vehicle)?),
+        }
     }
 }
 

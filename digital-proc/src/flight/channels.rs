@@ -42,7 +42,7 @@ channel_set!(
     Coefficients, ChannelKind::Dcu,
     [
         mu_alpha_p, mu_alpha_y, mu_rate_p, mu_rate_y, roll_damping, lead_f_p, lead_f_y, u_pitch,
-        u_yaw, lead_phi, u_roll, lead_t_p, lead_t_y, demand_p, demand_y, accel_tip_p, accel_tip_2,
+        u_yaw, lead_phi, u_roll, dead_zone_yield, lead_t_p, lead_t_y, demand_p, demand_y, accel_tip_p, accel_tip_2,
         accel_tip_4, accel_tvc_p, accel_tvc_y, roll_tip_2, roll_tip_4, side_tip_p, side_tip_2,
         side_tip_4,
     ]

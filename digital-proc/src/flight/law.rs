@@ -193,6 +193,7 @@ impl<'v> FlightLaw<'v> {
             (dcu.u_yaw, u_yaw),
             (dcu.lead_phi, self.settings.roll_lead_s),
             (dcu.u_roll, self.settings.roll_gain),
+            (dcu.dead_zone_yield, gains.dead_zone_yield),
             (dcu.lead_t_p, gains.tvc_lead_s),
             (dcu.lead_t_y, gains.tvc_lead_s),
             (dcu.demand_p, demand_p),

@@ -10,6 +10,7 @@ use super::{
         results::LongPeriodResults,
         run::{LongPeriodPlan, run as fly},
     },
+    profile_cost,
     sensitivity::{
         self,
         dispersion_file::Dispersions,
@@ -17,6 +18,7 @@ use super::{
     },
     short_period::{
         self,
+        claims::{NORMAL, reduced_against_p1},
         control_loop::ControlLoop,
         machine::{self, Bench, Patches},
         plan::Plan,
@@ -29,6 +31,7 @@ use desk::{
     claim::{Claim, Verdict},
     outcome::{Figure, Outcome},
 };
+use interface::profile::Profile;
 use vehicle::Vehicle;
 
 /// What is run.
@@ -47,12 +50,31 @@ pub struct CasePlan {
 impl CasePlan {
     /// Number of runs and flights.
     pub fn runs(&self) -> usize {
-        self.short.cases.len() + self.flights() + self.dispersions.as_ref().map_or(0, loops)
+        let ideal = self.on_ideal().map_or(0, |(short, long)| short.cases.len() + long.flights());
+        self.short.cases.len() + self.flights() + sensitivity_runs(self) + ideal
     }
 
     fn flights(&self) -> usize {
         let catalogue = self.catalogue.as_ref().map_or(0, CataloguePlan::flights);
         self.long.flights() + tankage::flights(self.long.modes.len()) + catalogue
+    }
+
+    /// What is run on the ideal machine too, unless this is it: the normal condition and the modes'
+    /// design cases, so that the machine's own share is seen.
+    fn on_ideal(&self) -> Option<(Plan, LongPeriodPlan)> {
+        let ideal = Profile::ideal();
+        if self.long.profile == ideal {
+            return None;
+        }
+        let mut short = self.short.clone();
+        short.cases.retain(|case| self.short.conditions[case.condition].name == NORMAL);
+        let long = LongPeriodPlan {
+            envelope: Vec::new(),
+            reversed: false,
+            profile: ideal,
+            ..self.long.clone()
+        };
+        Some((short, long))
     }
 }
 
@@ -69,6 +91,8 @@ pub struct CaseResults {
     pub catalogue: Option<Catalogue>,
     /// Sensitivities, point by point.
     pub sensitivity: Vec<PointSensitivity>,
+    /// What of them was run on the ideal machine too, unless this is it.
+    pub ideal: Option<(Results, LongPeriodResults)>,
     /// SHA-256 of each patch that ran, by its name.
     pub patches: Vec<(String, String)>,
 }
@@ -108,7 +132,24 @@ pub fn run(
         }
         None => Vec::new(),
     };
-    Ok(CaseResults { short, long, tankage, catalogue, sensitivity, patches })
+    let done = done + sensitivity_runs(plan);
+    let ideal = match plan.on_ideal() {
+        Some((cases, flights)) => {
+            let patches = Patches::with_modes(plan.short.modes);
+            let runs = machine::run(console, &cases, &patches, &flights.profile, |runs| {
+                progress(done + runs);
+            })?;
+            let done = done + runs.runs.len();
+            let flown = fly(console, vehicle, &flights, |flights| progress(done + flights))?;
+            Some((runs, flown))
+        }
+        None => None,
+    };
+    Ok(CaseResults { short, long, tankage, catalogue, sensitivity, ideal, patches })
+}
+
+fn sensitivity_runs(plan: &CasePlan) -> usize {
+    plan.dispersions.as_ref().map_or(0, loops)
 }
 
 impl CaseResults {
@@ -118,7 +159,7 @@ impl CaseResults {
         let mut out = Outcome::new(
             "First-stage control system: the case study rerun",
             format!(
-                "Section 4 of the paper on the hybrid machine: {} pitch runs and {} yaw–roll runs at {} trajectory points, and {} flights to burn-out, all in one session.",
+                "Section 4 of the paper on the hybrid machine: {} pitch runs and {} yaw–roll runs at {} trajectory points, and {} flights to burn-out, all in one session. Each claim quotes the paper's whole sentence, says what was asked of the runs and what would falsify it, what was measured, and, where it holds only in part, where not and why; the sections below show what was run and what came out.",
                 of(ControlLoop::Pitch),
                 of(ControlLoop::YawRoll),
                 plan.short.points.len(),
@@ -139,8 +180,20 @@ impl CaseResults {
         if let Some(dispersions) = &plan.dispersions {
             sensitivity::outcome::fill(&self.sensitivity, dispersions, &mut out);
         }
+        if let Some((short, long)) = &self.ideal {
+            out.section("What the machine costs")
+                .aside(format!(
+                    "The same study on the ideal machine, beside the profile `{}`: {} What its components, converters and latency do to each measure of the normal condition and of the modes' design cases is shown where it is most.",
+                    plan.long.profile.name, plan.long.profile.note
+                ))
+                .table(
+                    "profile_cost",
+                    "Measures on this machine and on the ideal one, each at the run or mode where they differ most.",
+                    profile_cost::table((&self.short, &self.long), (short, long)),
+                );
+        }
         out.claims_on_terminal();
-        re_evaluated(&mut out.claims);
+        re_evaluated(&mut out.claims, reduced_against_p1(&self.short));
         let not_judged = out.claims.iter().filter(|c| c.verdict == Verdict::NotJudged);
         let not_judged: Vec<&str> = not_judged.map(|c| &*c.id).collect();
         if !not_judged.is_empty() {
@@ -152,8 +205,7 @@ impl CaseResults {
 
 /// The paper: the reduced schedule "has to be reevaluated again by reverting to the short period
 /// analysis". What that finds belongs beside its claim.
-fn re_evaluated(claims: &mut [Claim]) {
-    let found = claims.iter().find(|c| c.id == "P1").and_then(|c| c.remark.clone());
+fn re_evaluated(claims: &mut [Claim], found: Option<String>) {
     let claim = claims.iter_mut().find(|c| c.id == "L3");
     if let (Some(claim), Some(found)) = (claim, found) {
         claim.verdict = claim.verdict.in_part_unless(false);

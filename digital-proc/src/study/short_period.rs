@@ -15,6 +15,7 @@ pub mod coefficients;
 pub mod control_loop;
 pub(crate) mod forms;
 pub mod higher_modes;
+pub mod inexact;
 pub mod linear;
 pub mod machine;
 pub mod measure;

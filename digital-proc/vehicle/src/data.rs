@@ -103,7 +103,21 @@ table! { "`[tvc]`." Tvc
     force_max_n: f64 = number_in("F_max", Positive), "Force limit per axis, N.";
     side_specific_impulse_s: f64 = number_in("Isp_side", Positive), "Side specific impulse, s.";
     fluid_kg: f64 = number_in("fluid", NotNegative), "Injectant carried, kg.";
+    dead_zone: DeadZone = word("dead_zone", Some(DeadZone::Remaining), &DeadZone::ALL.map(|d| (d.word(), d))), "Law of the dead zone.";
     reserve_fraction: f64 = number_in("reserve", NotNegative), "Reserve on the fluid asked for, fraction.";
+}
+
+interface::named! {
+    /// How the half width of the TVC dead zone varies.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum DeadZone, word {
+        /// With what the fin tips have left for the axis: (δ_max − ½|δ_2 − δ_4|)/K_F in yaw,
+        /// δ_max/K_F in pitch, whose tips have no other task.
+        Remaining "remaining"
+        /// With time alone: `e_dz_deg` of the schedule.
+        Scheduled "scheduled"
+    }
 }
 
 table! { "`[gyro]`." Gyro

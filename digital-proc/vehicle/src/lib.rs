@@ -37,14 +37,14 @@ use std::path::Path;
 
 pub use aero::{AeroCoefficients, AeroTables};
 pub use data::{
-    Aero, Bending, Component, Derived, DesignedGains, Disturbance, Ftc, Geometry, Gyro, Imu,
-    Limits, LongPeriodCase, Mass, PitchProgrammeData, RangeSafety, ScheduleData, Site, Thrust, Tvc,
-    VehicleData, WindData, WindStatistics,
+    Aero, Bending, Component, DeadZone, Derived, DesignedGains, Disturbance, Ftc, Geometry, Gyro,
+    Imu, Limits, LongPeriodCase, Mass, PitchProgrammeData, RangeSafety, ScheduleData, Site, Thrust,
+    Tvc, VehicleData, WindData, WindStatistics,
 };
 pub use mass::{MassModel, MassProperties};
 pub use thrust::{Motor, MotorState, NetThrust, STANDARD_GRAVITY_MPS2};
 
-use crate::gain_schedule::GainSchedule;
+use crate::gain_schedule::{DeadZoneLaw, GainSchedule};
 use crate::pitch_programme::PitchProgramme;
 use crate::table::{Edge, Table, TableError};
 use crate::table_edges::{EdgeRecord, TableName};
@@ -123,13 +123,14 @@ impl Vehicle {
 
     fn compile(data: VehicleData) -> Result<Self, TableError> {
         let bending = &data.bending;
+        let law = DeadZoneLaw::new(&data);
         Ok(Self {
             motor: Motor::new(&data)?,
             mass: MassModel::new(&data)?,
             aero: AeroTables::new(&data.aero)?,
             programme: PitchProgramme::new(&data.pitch_programme)?,
-            designed: GainSchedule::new(&data.gains.schedule()),
-            reduced: GainSchedule::new(&data.gains_reduced),
+            designed: GainSchedule::new(&data.gains.schedule(), law),
+            reduced: GainSchedule::new(&data.gains_reduced, law),
             bending_frequency_hz: Table::new(bending.time_s.clone(), bending.freq_hz.clone())?,
             bending_mass_kg: Table::new(
                 bending.time_s.clone(),

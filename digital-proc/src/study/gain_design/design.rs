@@ -26,7 +26,7 @@ use crate::{
 };
 use vehicle::{
     ScheduleData, Vehicle,
-    gain_schedule::LoopGains,
+    gain_schedule::{DeadZoneLaw, LoopGains},
     slice::{self, SlicePoint},
 };
 
@@ -102,6 +102,7 @@ pub fn design(
     let wanted: Vec<(&str, f64)> = ends.iter().flatten().map(|&t| ("", t)).collect();
     let slices = slice::points(vehicle, &wanted).map_err(StudyError::from)?;
     let tip_travel_deg = vehicle.data().ftc.delta_max_deg;
+    let law = DeadZoneLaw::new(vehicle.data());
     let mut found = Design {
         schedule: schedule::empty(),
         intervals: Vec::with_capacity(switches.len()),
@@ -119,7 +120,7 @@ pub fn design(
         let (gains, first_cost, evaluations) = judge.interval(with_tips, effort)?;
         schedule::push(&mut found.schedule, switches[i], &gains);
         schedule::close(&mut found.schedule, tip_travel_deg);
-        let quality = judge.quality(&schedule::gains(&found.schedule, i))?;
+        let quality = judge.quality(&LoopGains::of(&found.schedule, i, law))?;
         found.runs += judge.runs;
         let cost = worse(&quality);
         let interval =
@@ -163,6 +164,8 @@ impl Judge<'_, '_, '_> {
                 tvc_gain_nprad: p[2],
                 tvc_lead_s: p[3],
                 dead_zone_rad: travel_rad / p[0],
+                // Of the pitch tips, which are designed here, roll takes nothing.
+                dead_zone_yield: 0.0,
             };
             let from = [start.ftc_gain, start.ftc_lead_s, start.tvc_gain_nprad, start.tvc_lead_s];
             let bounds = [FTC_GAIN, FTC_LEAD_S, TVC_GAIN, TVC_LEAD_S];
@@ -175,6 +178,7 @@ impl Judge<'_, '_, '_> {
                 tvc_gain_nprad: p[0],
                 tvc_lead_s: p[1],
                 dead_zone_rad: 0.0,
+                dead_zone_yield: 0.0,
             };
             let from = [start.tvc_gain_nprad, start.tvc_lead_s];
             let bounds = [TVC_GAIN, TVC_LEAD_S];
@@ -192,6 +196,7 @@ impl Judge<'_, '_, '_> {
             tvc_gain_nprad: 1.0,
             tvc_lead_s: 0.0,
             dead_zone_rad: 0.0,
+            dead_zone_yield: 0.0,
         };
         let mean = |of: fn(&Plane) -> f64| {
             let planes = self

@@ -1,9 +1,6 @@
 //! A schedule seen by the short-period model at the study's trajectory points.
 
-use super::{
-    criteria::{LoopQuality, measure},
-    schedule,
-};
+use super::criteria::{LoopQuality, measure};
 use crate::{
     linkage::console::Console,
     study::{
@@ -17,7 +14,11 @@ use crate::{
         },
     },
 };
-use vehicle::{ScheduleData, Vehicle, slice::SlicePoint};
+use vehicle::{
+    ScheduleData, Vehicle,
+    gain_schedule::{DeadZoneLaw, LoopGains},
+    slice::SlicePoint,
+};
 
 /// A schedule at one point.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,11 +76,12 @@ pub fn evaluate(
     points: &[SlicePoint],
     data: &ScheduleData,
 ) -> Result<Vec<PointQuality>, StudyFault> {
+    let law = DeadZoneLaw::new(vehicle.data());
     let frozen: Vec<FrozenPoint> = points
         .iter()
         .map(|slice| {
             let begun = data.switch_time_s.partition_point(|&t| t <= slice.time_s);
-            FrozenPoint::new(vehicle, slice, &schedule::gains(data, begun.max(1) - 1))
+            FrozenPoint::new(vehicle, slice, &LoopGains::of(data, begun.max(1) - 1, law))
         })
         .collect();
     let qualities = measure(console, bench, &frozen, |_| {})?;

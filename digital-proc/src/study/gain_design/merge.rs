@@ -19,7 +19,10 @@ use crate::{
     },
 };
 use vehicle::{
-    ScheduleData, Vehicle, flight_mode::FlightScript, flight_summary::FlightSummary,
+    ScheduleData, Vehicle,
+    flight_mode::FlightScript,
+    flight_summary::FlightSummary,
+    gain_schedule::{DeadZoneLaw, LoopGains},
     reference::FlightCase,
 };
 
@@ -55,7 +58,9 @@ fn merged(data: &ScheduleData, i: usize, end_s: f64, tip_travel_deg: f64) -> Sch
     let t = &data.switch_time_s;
     let ends = [t[i], t[i + 1], t.get(i + 2).copied().unwrap_or(end_s)];
     let weight = (ends[1] - ends[0]) / (ends[2] - ends[0]);
-    let (a, b) = (schedule::gains(data, i), schedule::gains(data, i + 1));
+    // Dead zones are closed anew below.
+    let of = |i| LoopGains::of(data, i, DeadZoneLaw::Scheduled);
+    let (a, b) = (of(i), of(i + 1));
     let mean = |a: f64, b: f64| weight * a + (1.0 - weight) * b;
     let mut joined = a;
     joined.ftc_gain = mean(a.ftc_gain, b.ftc_gain);
@@ -67,7 +72,7 @@ fn merged(data: &ScheduleData, i: usize, end_s: f64, tip_travel_deg: f64) -> Sch
         if k == i {
             schedule::push(&mut out, switch_s, &joined);
         } else if k != i + 1 {
-            schedule::push(&mut out, switch_s, &schedule::gains(data, k));
+            schedule::push(&mut out, switch_s, &of(k));
         }
     }
     schedule::close(&mut out, tip_travel_deg);

@@ -45,17 +45,6 @@ pub(crate) fn empty() -> ScheduleData {
     }
 }
 
-/// Gains of interval `i` in SI units.
-pub(crate) fn gains(schedule: &ScheduleData, i: usize) -> LoopGains {
-    LoopGains {
-        ftc_gain: schedule.ftc_gain[i],
-        ftc_lead_s: schedule.ftc_lead_s[i],
-        tvc_gain_nprad: schedule.tvc_gain_npdeg[i].to_degrees(),
-        tvc_lead_s: schedule.tvc_lead_s[i],
-        dead_zone_rad: schedule.dead_zone_deg[i].to_radians(),
-    }
-}
-
 /// The vehicle with another designed schedule.
 pub(crate) fn with_designed(
     vehicle: &Vehicle,
@@ -118,6 +107,7 @@ pub(crate) fn charts(schedules: &[(&str, &ScheduleData)], end_s: f64) -> Markup 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vehicle::gain_schedule::DeadZoneLaw;
 
     #[test]
     fn the_printed_schedule_reads_back_as_the_one_tried() {
@@ -137,6 +127,7 @@ mod tests {
         let read: ScheduleData = read["gains_reduced"].clone().try_into().unwrap();
         assert_eq!(read, schedule);
         let flown = with_designed(&vehicle, &schedule).unwrap();
-        assert_eq!(flown.designed_schedule().at(20.0), gains(&schedule, 1));
+        let law = DeadZoneLaw::new(flown.data());
+        assert_eq!(flown.designed_schedule().at(20.0), LoopGains::of(&schedule, 1, law));
     }
 }

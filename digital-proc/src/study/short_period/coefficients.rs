@@ -48,6 +48,11 @@ macro_rules! plane {
                 Plane { $($field: $value,)* higher: None }
             }
 
+            /// Every coefficient with the blocks that hold it.
+            pub(super) fn each(&mut self) -> Vec<(&'static [&'static str], &mut f64)> {
+                vec![$((&[$($block),*][..], &mut self.$field)),*]
+            }
+
             fn values(&self) -> Vec<(&'static str, f64)> {
                 vec![$($(($block, self.$field),)*)*]
             }
@@ -94,8 +99,10 @@ plane! { p, of;
     tvc_bandwidth ["plane.tvc_slope"] 1.0 / p.tvc_time_constant_s;
     /// F_max, N.
     tvc_limit ["plane.tvc_limit"] p.tvc_limit_n;
-    /// e_dz, rad.
-    dead_zone ["plane.dead_zone_width"] p.dead_zone_rad;
+    /// e_dz with the tips idle in roll, rad.
+    dead_zone ["dead_zone_width"] p.dead_zone_rad;
+    /// What it loses for each rad of tip given to roll; the pitch tips give none.
+    dead_zone_yield [] p.dead_zone_yield;
     /// T_F, s.
     ftc_lead ["plane.fin_lead"] p.ftc_lead_s;
     /// Pole of the bending filter, 1/s.
@@ -178,7 +185,7 @@ impl Settings {
         // A lateral gust is normal to the velocity however steep the path: no factor sin γ.
         plane.gust = disturbance.gust * point.gust_mps / point.speed_mps;
         if dedicated {
-            plane.dead_zone = 0.0;
+            (plane.dead_zone, plane.dead_zone_yield) = (0.0, 0.0);
             plane.tvc_gain *= point.dedicated_gain_factor;
             plane.tvc_lead = point.dedicated_lead_s;
         }
@@ -203,6 +210,7 @@ impl Settings {
             None => all.extend([("fin_force", plane.tip_force), ("theta_c", self.command_rad)]),
             Some(roll) => all.extend([
                 ("psi_c", self.command_rad),
+                ("dead_zone_yield", plane.dead_zone_yield),
                 ("yaw_fin_force", plane.tip_force),
                 ("roll_fin_force", plane.tip_force),
                 ("roll_tip_moment", roll.moment),

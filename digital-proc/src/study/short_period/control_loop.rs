@@ -23,9 +23,37 @@ pub enum Test {
     /// The step alone, for the overshoot.
     StepOnly,
     /// Yaw and roll offsets, the tips shared.
-    Shared,
+    Shared(Offset),
     /// The same with the tips for roll only and the thrust vector for yaw only.
-    Dedicated,
+    Dedicated(Offset),
+}
+
+/// From which offsets a yaw–roll run starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offset {
+    /// The study's yaw and roll offsets; the yaw offset lies within the tips' own authority.
+    Both,
+    /// A larger yaw offset, which calls the thrust vector by itself, and the roll offset.
+    LargeYaw,
+    /// The yaw offset without the roll offset.
+    YawAlone,
+    /// The roll offset without the yaw offset.
+    RollAlone,
+}
+
+impl Offset {
+    /// All.
+    pub const ALL: [Offset; 4] =
+        [Offset::Both, Offset::LargeYaw, Offset::YawAlone, Offset::RollAlone];
+
+    fn words(self) -> [&'static str; 2] {
+        match self {
+            Offset::Both => ["", ""],
+            Offset::LargeYaw => [", large yaw", ".large-yaw"],
+            Offset::YawAlone => [", yaw alone", ".yaw-alone"],
+            Offset::RollAlone => [", roll alone", ".roll-alone"],
+        }
+    }
 }
 
 impl Test {
@@ -33,26 +61,27 @@ impl Test {
     pub fn control_loop(self) -> ControlLoop {
         match self {
             Test::Disturbed | Test::StepOnly => ControlLoop::Pitch,
-            Test::Shared | Test::Dedicated => ControlLoop::YawRoll,
+            Test::Shared(_) | Test::Dedicated(_) => ControlLoop::YawRoll,
         }
     }
 
     /// In a table.
-    pub(super) fn words(self) -> &'static str {
+    pub(super) fn words(self) -> String {
         match self {
-            Test::Disturbed => "disturbed",
-            Test::StepOnly => "step only",
-            Test::Shared => "shared",
-            Test::Dedicated => "roll only",
+            Test::Disturbed => "disturbed".to_owned(),
+            Test::StepOnly => "step only".to_owned(),
+            Test::Shared(offset) => format!("shared{}", offset.words()[0]),
+            Test::Dedicated(offset) => format!("roll only{}", offset.words()[0]),
         }
     }
 
     /// In the name of a run, where it differs from the rule.
-    pub(super) fn suffix(self) -> &'static str {
+    pub(super) fn suffix(self) -> String {
         match self {
-            Test::Disturbed | Test::Shared => "",
-            Test::StepOnly => ".undisturbed",
-            Test::Dedicated => ".dedicated",
+            Test::Disturbed => String::new(),
+            Test::StepOnly => ".undisturbed".to_owned(),
+            Test::Shared(offset) => offset.words()[1].to_owned(),
+            Test::Dedicated(offset) => format!(".dedicated{}", offset.words()[1]),
         }
     }
 }

@@ -142,12 +142,29 @@ pub fn step_response(
     sample_s: f64,
     samples: usize,
 ) -> Vec<[f64; 2]> {
+    driven_response(&driven_matrix(plane, gains), command_rad, sample_s, samples)
+}
+
+/// The state matrix with the command's column appended; shape `[n][n + 1]`.
+pub fn driven_matrix(plane: &Plane, gains: ChannelGains) -> DMatrix<f64> {
     let matrix = whole_matrix(plane, gains);
     let n = matrix.nrows();
+    let mut driven = matrix.insert_column(n, 0.0);
+    driven[(TVC, n)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
+    driven[(FILTERED, n)] = plane.filter_pole;
+    driven
+}
+
+/// [`step_response`] of such a matrix.
+pub fn driven_response(
+    driven: &DMatrix<f64>,
+    command_rad: f64,
+    sample_s: f64,
+    samples: usize,
+) -> Vec<[f64; 2]> {
+    let n = driven.nrows();
     let mut augmented = DMatrix::zeros(n + 1, n + 1);
-    augmented.view_mut((0, 0), (n, n)).copy_from(&matrix);
-    augmented[(TVC, n)] = plane.tvc_bandwidth * plane.tvc_gain * gains.tvc;
-    augmented[(FILTERED, n)] = plane.filter_pole;
+    augmented.view_mut((0, 0), (n, n + 1)).copy_from(driven);
     let advance = matrix_exp(&(augmented * sample_s));
     let mut state = DVector::zeros(n + 1);
     state[n] = command_rad;
@@ -200,7 +217,12 @@ pub struct PlaneRoots {
 
 /// Picks the attitude and bending roots.
 pub fn plane_roots(plane: &Plane, gains: ChannelGains) -> PlaneRoots {
-    let all = roots_of(whole_matrix(plane, gains));
+    matrix_roots(plane, whole_matrix(plane, gains))
+}
+
+/// [`plane_roots`] of a matrix of the plane, or of one beside it.
+pub fn matrix_roots(plane: &Plane, matrix: DMatrix<f64>) -> PlaneRoots {
+    let all = roots_of(matrix);
     let bending_frequency = plane.bending_spring.sqrt();
     let pairs = || all.iter().copied().filter(|r| r.imaginary > 0.0);
     let nearest = |frequency: f64| {

@@ -9,6 +9,7 @@
 use super::{
     coefficients::Settings,
     control_loop::{ControlLoop, Response},
+    inexact::Inexact,
     plan::{Case, Plan},
     results::{Occurrence, Results, Run},
 };
@@ -66,7 +67,8 @@ impl Patches {
         }
     }
 
-    fn of(&self, control_loop: ControlLoop) -> &PatchBundle {
+    /// That of a loop.
+    pub fn of(&self, control_loop: ControlLoop) -> &PatchBundle {
         match control_loop {
             ControlLoop::Pitch => &self.pitch,
             ControlLoop::YawRoll => &self.yaw_roll,
@@ -157,11 +159,12 @@ pub fn run(
         }
         let bench = Bench::load(console, control_loop, patches, profile)?;
         hashes.push((patches.of(control_loop).root.clone(), console.patch_hash().to_owned()));
+        let inexact = Inexact::new(patches.of(control_loop), profile);
         let stop = plan.sample * plan.samples() as i64;
         let asked = cases.iter().map(|case| (case.settings, stop));
         let mut next = cases.iter();
         bench.run(console, plan.sample, asked, |response, seen| {
-            runs.extend(next.next().map(|case| Run::new(plan, case, response, seen)));
+            runs.extend(next.next().map(|case| Run::new(plan, case, response, seen, &inexact)));
             progress(runs.len());
         })?;
     }

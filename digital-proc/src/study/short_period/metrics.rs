@@ -227,9 +227,12 @@ pub fn time_beyond_s(column: &[f64], sample_s: f64, level: f64) -> f64 {
     column.iter().filter(|v| v.abs() >= level).count() as f64 * sample_s
 }
 
-/// First instant at which |x| exceeds `level`, s.
+/// First instant at which |x| exceeds `level`, linear between the samples, s.
 pub fn first_beyond_s(column: &[f64], sample_s: f64, level: f64) -> Option<f64> {
-    column.iter().position(|v| v.abs() > level).map(|i| i as f64 * sample_s)
+    let i = column.iter().position(|v| v.abs() > level)?;
+    let Some(before) = i.checked_sub(1).map(|k| column[k].abs()) else { return Some(0.0) };
+    let part = (level - before) / (column[i].abs() - before);
+    Some((i as f64 - 1.0 + part) * sample_s)
 }
 
 #[cfg(test)]
@@ -313,7 +316,7 @@ mod tests {
         let square = [0.0, 2.0, 2.0, 2.0, 0.0, -2.0, 0.0];
         assert_eq!(longest_run_s(7, 0.5, |i| square[i] > 1.0), 1.5);
         assert_eq!(time_beyond_s(&square, 0.5, 2.0), 2.0);
-        assert_eq!(first_beyond_s(&square, 0.5, 1.0), Some(0.5));
+        assert_eq!(first_beyond_s(&square, 0.5, 1.0), Some(0.25));
         assert_eq!(first_beyond_s(&square, 0.5, 2.0), None);
     }
 }

@@ -9,7 +9,7 @@ use super::{
     coefficients::{Disturbance, Offsets, Settings},
     control_loop::{ControlLoop, Response},
     machine::{Bench, Patches},
-    measure::{ROLL_BAND_DEG, SATURATED, YAW_BAND_DEG},
+    measure::{ROLL_BAND_DEG, SATURATED, YAW_BAND},
     metrics::{settling_s, time_beyond_s},
     plan::Plan,
     point::FrozenPoint,
@@ -134,7 +134,7 @@ pub fn run(
         let sample_s = response.sample_s;
         // An angle that stays at zero is no scale for its difference: the greater one is.
         let scale = names.iter().map(|n| greatest(response.of(n))).fold(0.0, f64::max);
-        let bands = [YAW_BAND_DEG, ROLL_BAND_DEG].map(f64::to_radians);
+        let bands = [YAW_BAND * test.yaw_deg.abs(), ROLL_BAND_DEG].map(f64::to_radians);
         let beyond = |adc| time_beyond_s(response.of(adc), sample_s, SATURATED * plane.tip_travel);
         rows.push(Row {
             point: point.name.clone(),
@@ -181,7 +181,10 @@ pub fn outcome(rows: &[Row]) -> Outcome {
     ];
     out.section("Numbers").table(
         "offsets",
-        format!("Settling is to {YAW_BAND_DEG}° in yaw and {ROLL_BAND_DEG}° in roll about zero."),
+        format!(
+            "Settling is to {:.0} % of the yaw offset in yaw and to {ROLL_BAND_DEG}° in roll about zero.",
+            100.0 * YAW_BAND
+        ),
         Table::of(&columns, rows),
     );
     let apart = rows

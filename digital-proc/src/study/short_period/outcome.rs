@@ -2,10 +2,10 @@
 //! the responses drawn.
 
 use super::{
-    agreement::Compared,
+    agreement::{Agreement, Compared},
     control_loop::{Channel, ControlLoop, Response},
     linear::{ChannelGains, Root},
-    measure::{PITCH_BAND, ROLL_BAND_DEG, YAW_BAND_DEG},
+    measure::{LARGE_YAW_BAND, PITCH_BAND, ROLL_BAND_DEG, YAW_BAND},
     metrics::Oscillation,
     moment,
     results::{Results, Run},
@@ -55,6 +55,8 @@ pub(super) fn remarks(results: &Results, out: &mut Outcome) {
     if disagree > 0 {
         out.refused.push(format!("{disagree} linear runs do not agree with their eigenvalues"));
     }
+    let left_out = results.plan.left_out.iter();
+    out.remarks.extend(left_out.map(|why| format!("left out on this vehicle: {why}")));
     out.remarks.extend(results.remarks());
 }
 
@@ -93,6 +95,8 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 Column::new("ζ, bending", "", |r| {
                     r.measures.roots.bending.map(|r| r.damping()).into()
                 }),
+                Column::new("Peak θ", "of the step", |r| r.measures.peak.into()),
+                Column::new("Standing error", "deg", |r| degrees(r.measures.standing_error_rad)),
             ]);
             if results.plan.modes > 1 {
                 columns.extend([
@@ -114,8 +118,12 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
             columns.extend([
                 Column::new("Tips", "", |r: &Run| r.case.test.words().into()),
                 Column::new("Given to roll", "s", |r| r.measures.tips_given_to_roll_s.into()),
+                Column::new("Tips short", "s", |r| r.measures.tips_short_s.into()),
+                Column::new("TVC begins", "s", |r| r.measures.tvc_begins_s.into()),
                 Column::new("TVC called", "s", |r| r.measures.tvc_called_s.into()),
+                Column::new("TVC peak", "N", |r| r.measures.tvc_peak_n.into()),
                 Column::new("Roll fallen", "s", |r| r.measures.roll_fallen_s.into()),
+                Column::new("Yaw share before", "%", |r| percent(r.measures.yaw_share_before)),
                 Column::new("Yaw share then", "%", |r| percent(r.measures.yaw_share_after)),
                 Column::new("Yaw settling", "s", |r| r.measures.settling_s.into()),
                 Column::new("Roll settling", "s", |r| r.measures.roll_settling_s.into()),
@@ -129,7 +137,9 @@ pub(super) fn runs(control_loop: ControlLoop, results: &Results) -> (&'static st
                 }),
             ]);
             let caption = format!(
-                "Measures of each yaw–roll run. Settling is to {YAW_BAND_DEG}° in yaw and {ROLL_BAND_DEG}° in roll about the final value."
+                "Measures of each yaw–roll run. Settling is to {:.0} % of the yaw offset ({:.0} % of the large one) in yaw and to {ROLL_BAND_DEG}° in roll about the final value; the tips are short where, less what roll has of them, they cannot give what their gain asks for the yaw offset.",
+                100.0 * YAW_BAND,
+                100.0 * LARGE_YAW_BAND
             );
             ("yaw_roll", caption)
         }
@@ -150,7 +160,7 @@ pub(super) fn agreement(results: &Results, out: &mut Outcome) {
         );
         return;
     }
-    let columns: [Column<Run>; 8] = [
+    let columns: [Column<Run>; 10] = [
         Column::new("Run", "", |r| r.name.as_str().into()),
         Column::new("Linear range", "", |r| r.linear.map_or("", |a| range(a.gains)).into()),
         Column::of("Attitude differs by", "% of the step", 2, |r| {
@@ -163,13 +173,22 @@ pub(super) fn agreement(results: &Results, out: &mut Outcome) {
         Column::new("ω, measured", "rad/s", |r| decay(r).map(|d| d.0.frequency_radps).into()),
         Column::of("ζ, eigenvalue", "", 3, |r| decay(r).map(|d| d.1.damping()).into()),
         Column::of("ζ, measured", "", 3, |r| decay(r).map(|d| d.0.damping).into()),
+        Column::of("Allowed", "% of the step; of ω", 2, |r| {
+            percent(r.linear.map(|a| a.within[0]))
+        }),
+        Column::of("Allowed for ζ", "%", 2, |r| match r.linear {
+            Some(Agreement { compared: Compared::Decay { .. }, within, .. }) => {
+                percent(Some(within[1]))
+            }
+            _ => Cell::Missing,
+        }),
         Column::new("Agrees", "", |r| {
             if r.linear.is_some_and(|a| a.agrees()) { "yes" } else { "NO" }.into()
         }),
     ];
     section.table(
         "linear_agreement",
-        "Undisturbed pitch runs that stay linear. Where every channel keeps to one range from the start, the whole response is held against the matrix exponential; where it does so from 4 s on, the decay of the bending coordinate is held against its eigenvalue.",
+        "Undisturbed pitch runs that stay linear. Where every channel keeps to one range from the start, the whole response is held against the matrix exponential; where it does so from 4 s on, the decay of the bending coordinate is held against its eigenvalue. Allowed is what integration and measuring leave and three standard deviations of what the errors of the machine's components and converters do.",
         Table::of(&columns, results.runs.iter().filter(|r| r.linear.is_some())),
     );
 }

@@ -4,10 +4,10 @@
 use super::{
     claims::{
         BENDING, BENDING_GROWTH, BENDING_MIDDLE, FIGURE_4, FIGURE_5, FTC_GAIN_LOST, NORMAL,
-        OSCILLATORY, OVERSHOOT_P1, OVERSHOOTS, TVC_FAST, TVC_SLOW, judge,
+        OSCILLATORY, OVERSHOOT_P1, OVERSHOOTS, RESIDUALS, TVC_FAST, TVC_SLOW, judge,
     },
-    control_loop::{ControlLoop, Response, Test},
-    measure::{Measures, YAW_BAND_DEG},
+    control_loop::{ControlLoop, Offset, Response, Test},
+    measure::{Measures, YAW_BAND},
     moment,
     outcome::{agreement, curves, figures, place, remarks, runs},
     results::{Results, Run},
@@ -26,6 +26,8 @@ use maud::html;
 const WORST: usize = 10;
 /// Attitude and bending coordinate, where two figures suffice.
 const PAIR: [&str; 2] = ["pitch_attitude", "bending"];
+/// Where the larger yaw offset differs.
+const LARGE_YAW: [&str; 4] = ["yaw_attitude", "roll_attitude", "tip2_deflection", "tvc_yaw_force"];
 /// Trace of every run.
 const TRACE: &str = "short-period.arrow";
 
@@ -109,24 +111,44 @@ fn figure_4(results: &Results, out: &mut Outcome) {
     }
 }
 
+/// The yaw offset within the tips' authority, and the larger one.
 fn figure_5(results: &Results, out: &mut Outcome) {
-    let of = |point| [Test::Shared, Test::Dedicated].map(|test| results.at(point, NORMAL, test));
-    let has_both = |point: &usize| of(*point).iter().all(Option::is_some);
+    let of = |point, offset| {
+        [Test::Shared(offset), Test::Dedicated(offset)].map(|test| results.at(point, NORMAL, test))
+    };
+    let has_both = |point: &usize| of(*point, Offset::Both).iter().all(Option::is_some);
     let point = most_telling_point(results)
         .filter(has_both)
         .or_else(|| (0..results.plan.points.len()).find(has_both))
         .or_else(|| results.of(ControlLoop::YawRoll).next().map(|r| r.case.point));
     let Some(point) = point else { return };
-    let runs: Vec<&Run> = of(point).into_iter().flatten().collect();
-    let travel = runs.first().map(|run| run.case.settings.plane.tip_travel);
-    let named: Vec<_> =
-        runs.iter().map(|run| (format!("tips {}", run.case.test.words()), &run.response)).collect();
-    let (at, drawn) = (place(results, point), ControlLoop::YawRoll.drawn());
-    out.section("Yaw and roll loops (figure 5 of the paper)")
+    let runs_of = |offset| -> Vec<&Run> { of(point, offset).into_iter().flatten().collect() };
+    let mut small = runs_of(Offset::Both);
+    // What roll does is seen beside the run without it.
+    small.extend(results.at(point, NORMAL, Test::Shared(Offset::YawAlone)));
+    let travel = small.first().map(|run| run.case.settings.plane.tip_travel);
+    let at = place(results, point);
+    let drawn = |id: &str, what: &str, runs: &[&Run], channels| {
+        let of = |run: &&'_ Run| format!("tips {}", run.case.test.words());
+        let named: Vec<_> = runs.iter().map(|run| (of(run), &run.response)).collect();
+        figures(id, &format!("{what} at {at}"), &named, channels, travel)
+    };
+    let yaw_deg = results.plan.yaw_rad.to_degrees();
+    let section = out
+        .section("Yaw and roll loops (figure 5 of the paper)")
         .aside(format!(
-            "Initial offsets in yaw and roll with fin cant, thrust misalignment and a step gust, at {at}: the loops coupled by the shared tips (sum to one tip, difference to the other), and decoupled (tips for roll, thrust vector for yaw)."
+            "Initial offsets in yaw and roll with fin cant, thrust misalignment and a step gust, at {at}: the loops coupled by the shared tips (sum to one tip, difference to the other), and decoupled (tips for roll, thrust vector for yaw). The yaw offset of {yaw_deg}° lies within what the tips can do by themselves: without the roll offset (yaw alone) the thrust vector is not called."
         ))
-        .beside(figures(FIGURE_5.anchor(), &format!("at {at}"), &named, drawn, travel));
+        .beside(drawn(FIGURE_5.anchor(), "from both offsets", &small, ControlLoop::YawRoll.drawn()));
+    let large = runs_of(Offset::LargeYaw);
+    if !large.is_empty() {
+        section.markup(html! { h3 { "A yaw offset beyond the tips' authority" } }).beside(drawn(
+            "figure-5-large",
+            "from a large yaw offset",
+            &large,
+            &LARGE_YAW,
+        ));
+    }
 }
 
 /// The disturbed pitch runs with the largest residual oscillation, normal ones apart.
@@ -184,7 +206,7 @@ fn matrices(results: &Results, worst: &[&Run], out: &mut Outcome) {
         [OSCILLATORY, OVERSHOOT_P1, BENDING_MIDDLE].map(|fraction| 100.0 * fraction);
     let matrices = [
         Matrix {
-            id: "matrix-residual",
+            id: RESIDUALS.anchor(),
             caption: "Residual oscillation of θ in the disturbed pitch runs; the worst cells lead to their responses.",
             quantity: format!(
                 "Peak-to-peak θ from 5 to 10 s without its parabolic trend, % of the step; outside from {oscillatory:.0} % on"
@@ -218,9 +240,10 @@ fn matrices(results: &Results, worst: &[&Run], out: &mut Outcome) {
             id: "matrix-yaw",
             caption: "Yaw settling with shared tips.",
             quantity: format!(
-                "Time to stay within {YAW_BAND_DEG}° of the final yaw, s; a dash did not settle within {duration_s} s"
+                "Time to stay within {:.2}° of the final yaw, s; a dash did not settle within {duration_s} s",
+                YAW_BAND * results.plan.yaw_rad.to_degrees()
             ),
-            test: Test::Shared,
+            test: Test::Shared(Offset::Both),
             of: |m| m.settling_s,
             limit: duration_s,
             deepest: duration_s,

@@ -85,6 +85,38 @@ pub(crate) fn locate_all(
     Ok(FileFaults::unless(faults, slices)?)
 }
 
+impl Study {
+    /// The shipped study at a vehicle's own points: its switchings instead of the shipped vehicle's,
+    /// but for that at which the tips take over and which has its point, in order of time. Points
+    /// that its flight lacks are left out and told.
+    pub fn shipped_for(vehicle: &Vehicle) -> Result<Study, StudyError> {
+        let mut study = Study::shipped()?;
+        let is_switching = |p: &PointEntry| matches!(p.at, Place::GainSwitch(_));
+        let (shipped, mut points): (Vec<_>, Vec<_>) =
+            study.points.into_iter().partition(is_switching);
+        let on_time_s = vehicle.data().ftc.on_time_s;
+        for (n, time_s) in vehicle.designed_schedule().switch_time_s().iter().enumerate().skip(1) {
+            let name = format!("gain-{time_s}");
+            let alike = shipped.iter().find(|p| p.name == name);
+            // Any has the offset and the file's place.
+            if let Some(like) = alike.or(shipped.first()).filter(|_| *time_s != on_time_s) {
+                let title = alike.map_or("gain switching", |p| &p.title).to_owned();
+                points.push(PointEntry { name, title, at: Place::GainSwitch(n), ..like.clone() });
+            }
+        }
+        let mut on_flight = Vec::with_capacity(points.len());
+        for (point, located) in points.iter().zip(locate(&points, vehicle)?) {
+            match located {
+                Ok(slice) => on_flight.push((slice.time_s, point.clone())),
+                Err(lacking) => study.left_out.push(lacking.to_string()),
+            }
+        }
+        on_flight.sort_by(|a, b| a.0.total_cmp(&b.0));
+        study.points = on_flight.into_iter().map(|(_, point)| point).collect();
+        Ok(study)
+    }
+}
+
 /// Refuses gyro stations where the vehicle's mode is not known.
 pub(super) fn gyro_stations(study: &Study, vehicle: &Vehicle) -> Result<(), FileFaults> {
     let source = study.source();
@@ -214,6 +246,42 @@ mod tests {
             .map(|(a, _)| a.0)
             .collect();
         assert_eq!(moved, ["ftc-switch-in", "transonic", "max-q"]);
+    }
+
+    /// The shipped vehicle's own points are those of the shipped study; another's are its own.
+    #[test]
+    fn the_shipped_study_takes_a_vehicles_own_switchings() {
+        let shipped = Vehicle::shipped().unwrap();
+        let study = Study::shipped_for(&shipped).unwrap();
+        assert_eq!(study.points, Study::shipped().unwrap().points);
+        let mut data = shipped.data().clone();
+        for column in [
+            &mut data.gains.switch_time_s,
+            &mut data.gains.ftc_gain,
+            &mut data.gains.ftc_lead_s,
+            &mut data.gains.tvc_gain_npdeg,
+            &mut data.gains.tvc_lead_s,
+            &mut data.gains.dead_zone_deg,
+        ] {
+            column.remove(4);
+        }
+        data.gains.switch_time_s[4] = 36.5;
+        let study = Study::shipped_for(&Vehicle::from_data(data).unwrap()).unwrap();
+        let names: Vec<&str> = study.points.iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(
+            names[4..],
+            [
+                "ftc-switch-in",
+                "transonic",
+                "gain-20",
+                "max-q",
+                "gain-36.5",
+                "gain-40",
+                "gain-45",
+                "burn-out"
+            ]
+        );
+        assert!(study.left_out.is_empty());
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! first, no fin tips) or changes nothing.
 
 use super::coefficients::{Disturbance, Offsets, Settings};
-use super::control_loop::{ControlLoop, Test};
+use super::control_loop::{ControlLoop, Offset, Test};
 use super::higher_modes::of_a_loop;
 use super::moment;
 use super::places::{gyro_stations, locate_all};
@@ -29,16 +29,31 @@ pub struct Plan {
     pub sample: Tick,
     /// Step command of the pitch test, rad.
     pub step_rad: f64,
+    /// Yaw offset of the yaw–roll test, rad.
+    pub yaw_rad: f64,
+    /// What the vehicle may take.
+    pub limits: Limits,
     /// Bending modes in the pitch loop.
     pub modes: usize,
     /// The points in the study's order.
     pub points: Vec<PlannedPoint>,
     /// The conditions in the study's order.
     pub conditions: Vec<Condition>,
+    /// Points left out, and why.
+    pub left_out: Vec<String>,
     /// The vehicle as a beam.
     pub structure: Structure,
     /// The runs, those of the pitch loop first.
     pub cases: Vec<Case>,
+}
+
+/// What the vehicle's data allow, for claims that ask it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Of |Qα|, Pa deg.
+    pub q_alpha_padeg: f64,
+    /// Of the path angle at burn-out, rad.
+    pub path_angle_rad: f64,
 }
 
 /// A point found on the flight.
@@ -75,9 +90,15 @@ impl Plan {
             duration_s: study.duration_s,
             sample: Tick(i64::from(study.sample_ms) * 1_000_000),
             step_rad: study.pitch.step_deg.to_radians(),
+            limits: Limits {
+                q_alpha_padeg: vehicle.data().limits.q_alpha_padeg,
+                path_angle_rad: vehicle.data().long_period_case.accept_dgam_deg.to_radians(),
+            },
+            yaw_rad: study.yaw_roll.yaw_deg.to_radians().abs(),
             modes: study.pitch.modes as usize,
             points: slices.into_iter().map(named).collect(),
             conditions: study.conditions.clone(),
+            left_out: study.left_out.clone(),
             structure: Structure::new(vehicle),
             cases: Vec::new(),
         };
@@ -101,11 +122,19 @@ impl Plan {
         let shaken = Disturbance { misalignment: pitch.misalignment, gust: pitch.gust, cant: 0.0 };
         let yaw_roll =
             Disturbance { misalignment: yaw.misalignment, gust: yaw.gust, cant: yaw.cant };
-        let initial = Offsets {
-            yaw_rad: yaw.yaw_deg.to_radians(),
-            yaw_rate_radps: yaw.yaw_rate_dps.to_radians(),
-            roll_rad: yaw.roll_deg.to_radians(),
-            roll_rate_radps: yaw.roll_rate_dps.to_radians(),
+        let initial = |offset| {
+            let (yaw_deg, roll_deg) = match offset {
+                Offset::Both => (yaw.yaw_deg, yaw.roll_deg),
+                Offset::LargeYaw => (yaw.large_yaw_deg, yaw.roll_deg),
+                Offset::YawAlone => (yaw.yaw_deg, 0.0),
+                Offset::RollAlone => (0.0, yaw.roll_deg),
+            };
+            Offsets {
+                yaw_rad: yaw_deg.to_radians(),
+                yaw_rate_radps: yaw.yaw_rate_dps.to_radians(),
+                roll_rad: roll_deg.to_radians(),
+                roll_rate_radps: yaw.roll_rate_dps.to_radians(),
+            }
         };
         let (step_rad, mut cases) = (self.step_rad, Vec::new());
         for (condition, entry) in self.conditions.iter().enumerate() {
@@ -121,20 +150,30 @@ impl Plan {
                 if (entry.needs_ftc && !has_ftc) || (entry.is_a_change() && frozen == unchanged) {
                     continue;
                 }
-                let tests = [
+                let pitch = [
                     (Test::Disturbed, entry.pitch),
                     (Test::StepOnly, entry.pitch && entry.overshoot),
-                    // Without fin tips nothing controls roll: there is no loop to study.
-                    (Test::Shared, entry.yaw_roll && has_ftc),
-                    (Test::Dedicated, entry.yaw_roll && has_ftc && entry.dedicated),
                 ];
+                // Without fin tips nothing controls roll: there is no loop to study.
+                let yaw_roll_asked = entry.yaw_roll && has_ftc;
+                let offsets = Offset::ALL.into_iter().flat_map(|offset| {
+                    let asked = yaw_roll_asked && (offset == Offset::Both || entry.offsets);
+                    [
+                        (Test::Shared(offset), asked),
+                        (Test::Dedicated(offset), asked && entry.dedicated),
+                    ]
+                });
                 let gyro_x_m = entry.gyro.map_or(vehicle.data().bending.gyro_x_m, |(x_m, _)| x_m);
-                for (test, _) in tests.into_iter().filter(|(_, asked)| *asked) {
+                for (test, _) in pitch.into_iter().chain(offsets).filter(|(_, asked)| *asked) {
                     let mut settings = match test {
                         Test::Disturbed => Settings::pitch(&frozen, &shaken, step_rad),
                         Test::StepOnly => Settings::pitch(&frozen, &Disturbance::NONE, step_rad),
-                        Test::Shared => Settings::yaw_roll(&frozen, &yaw_roll, initial, false),
-                        Test::Dedicated => Settings::yaw_roll(&frozen, &yaw_roll, initial, true),
+                        Test::Shared(offset) => {
+                            Settings::yaw_roll(&frozen, &yaw_roll, initial(offset), false)
+                        }
+                        Test::Dedicated(offset) => {
+                            Settings::yaw_roll(&frozen, &yaw_roll, initial(offset), true)
+                        }
                     };
                     if test.control_loop() == ControlLoop::Pitch {
                         settings.plane.higher = of_a_loop(vehicle, &frozen, gyro_x_m, self.modes);
@@ -266,7 +305,7 @@ mod tests {
     fn places_that_the_flight_lacks_are_reported_with_their_lines() {
         let text = "[run]\nduration-s = 1.0\nsample-ms = 10\n\
             [pitch]\nstep-deg = 2.0\nmisalignment = 1.0\ngust = 1.0\n\
-            [yaw-roll]\nyaw-deg = 1.0\nyaw-rate-dps = 0.0\nroll-deg = 1.0\nroll-rate-dps = 0.0\n\
+            [yaw-roll]\nyaw-deg = 1.0\nlarge-yaw-deg = 2.0\nyaw-rate-dps = 0.0\nroll-deg = 1.0\nroll-rate-dps = 0.0\n\
             misalignment = 0.0\ngust = 0.0\ncant = 0.0\n\
             [[point]]\nname = \"a\"\nat = { mach = 9.0 }\n\
             [[point]]\nname = \"b\"\nat = { gain-switch = 8 }\n\
@@ -275,7 +314,7 @@ mod tests {
             panic!("accepted");
         };
         let lines: Vec<_> = faults.iter().map(|f| f.place.unwrap().0).collect();
-        assert_eq!(lines, [18, 21, 24]);
+        assert_eq!(lines, [19, 22, 25]);
         assert!(faults[0].to_string().contains("does not reach Mach 9"));
         assert!(faults[1].to_string().contains("switches 7 times"));
         assert!(faults[2].to_string().contains("burn-out at 49"));

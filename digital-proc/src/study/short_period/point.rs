@@ -111,8 +111,10 @@ frozen! { data, slice, gains;
     tvc_gain_nprad = gains.tvc_gain_nprad, "tvc-gain" "N/deg" 1.0 / DEGREE, Any;
     /// Thrust-vector rate gain `T_T`, s.
     tvc_lead_s = gains.tvc_lead_s, "tvc-lead" "s" 1.0, Any;
-    /// Half width of the thrust-vector dead zone, rad.
+    /// Half width of the thrust-vector dead zone while roll asks nothing of the tips, rad.
     dead_zone_rad = gains.dead_zone_rad, "dead-zone" "deg" DEGREE, NotNegative;
+    /// By how much it shrinks in yaw for each rad of tip that roll has taken.
+    dead_zone_yield = gains.dead_zone_yield, "dead-zone-yield" "deg/deg" 1.0, NotNegative;
     /// Roll gain `K_φ`, rad of tip per rad of roll.
     roll_gain = slice.settings.roll_gain, "roll-gain" "deg/deg" 1.0, Any;
     /// Roll rate gain `T_φ`, s.

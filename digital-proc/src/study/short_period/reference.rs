@@ -10,6 +10,7 @@
 use super::coefficients::{Plane, Settings};
 use super::control_loop::{ControlLoop, Response};
 use super::higher_modes::HIGHER;
+use super::inexact::Inexact;
 use super::plan::Plan;
 use super::results::{Results, Run};
 
@@ -104,8 +105,9 @@ fn derivative(settings: &Settings, x: &State) -> State {
     dx[GYRO_SLOPE] = plane.gyro_spring * (station_rate - x[GYRO]) - plane.gyro_drag * x[GYRO_SLOPE];
     let attitude_error = settings.command_rad - sensed_attitude(plane, x);
     let tvc_error = attitude_error - plane.tvc_lead * x[GYRO];
+    let width = plane.dead_zone - plane.dead_zone_yield * (x[TIP2] - x[TIP4]).abs() / 2.0;
     let tvc_command =
-        limited(plane.tvc_gain * dead_zone(tvc_error, plane.dead_zone), plane.tvc_limit);
+        limited(plane.tvc_gain * dead_zone(tvc_error, width.max(0.0)), plane.tvc_limit);
     dx[TVC] = plane.tvc_bandwidth * (tvc_command - x[TVC]);
     let ftc_error = attitude_error - plane.ftc_lead * x[GYRO];
     dx[FILTERED] = plane.filter_pole * (ftc_error - x[FILTERED]);
@@ -211,7 +213,8 @@ pub fn run(settings: &Settings, grid: &Grid) -> Response {
 /// Answers every run of a plan, in its order, at about `step_s` of integration step.
 pub fn answer(plan: &Plan, step_s: f64) -> Results {
     let grid = grid(plan, step_s);
-    let answered = |case| Run::new(plan, case, run(&case.settings, &grid), Vec::new());
+    let answered =
+        |case| Run::new(plan, case, run(&case.settings, &grid), Vec::new(), &Inexact::default());
     let runs = plan.cases.iter().map(answered).collect();
     Results { plan: plan.clone(), runs, patches: Vec::new() }
 }

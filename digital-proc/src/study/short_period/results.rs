@@ -4,6 +4,7 @@
 
 use super::agreement::Agreement;
 use super::control_loop::{ControlLoop, Response, Test};
+use super::inexact::Inexact;
 use super::measure::Measures;
 use super::moment;
 use super::plan::{Case, Plan};
@@ -54,7 +55,13 @@ pub struct Run {
 
 impl Run {
     /// Measures an answer.
-    pub fn new(plan: &Plan, case: &Case, response: Response, seen: Vec<Occurrence>) -> Run {
+    pub fn new(
+        plan: &Plan,
+        case: &Case,
+        response: Response,
+        seen: Vec<Occurrence>,
+        inexact: &Inexact,
+    ) -> Run {
         let point = plan.points[case.point].name.clone();
         let condition = plan.conditions[case.condition].name.clone();
         Run {
@@ -64,7 +71,7 @@ impl Run {
             case: *case,
             measures: Measures::new(plan, case, &response),
             moment: moment::greatest(plan, case, &response),
-            linear: Agreement::of(plan, case, &response),
+            linear: Agreement::of(plan, case, &response, inexact),
             response,
             seen,
         }
@@ -89,7 +96,7 @@ pub struct Results {
 
 impl Results {
     /// Runs of a test under a condition.
-    pub fn under(&self, condition: &str, test: Test) -> impl Iterator<Item = &Run> {
+    pub fn under(&self, condition: &str, test: Test) -> impl Iterator<Item = &Run> + Clone {
         self.runs.iter().filter(move |r| r.case.test == test && r.condition == condition)
     }
 

@@ -54,6 +54,7 @@ fn study(file: &str, text: &str) -> Result<Study, FileFaults> {
             yaw_roll: yaw_roll?,
             points: points?,
             conditions: conditions?,
+            left_out: Vec::new(),
         })
     })
 }
@@ -109,6 +110,7 @@ fn condition(f: &mut SheetFields<'_, '_>, points: &[(&str, ())]) -> Option<Condi
         })
     });
     let (overshoot, dedicated) = (f.flag("overshoot", false), f.flag("dedicated", false));
+    let offsets = f.flag("offsets", false);
     Some(Condition {
         name: name?,
         title: title.unwrap_or_default(),
@@ -120,6 +122,7 @@ fn condition(f: &mut SheetFields<'_, '_>, points: &[(&str, ())]) -> Option<Condi
         yaw_roll,
         overshoot: overshoot?,
         dedicated: dedicated?,
+        offsets: offsets?,
         points: limited,
     })
 }

@@ -49,6 +49,8 @@ pub struct Study {
     pub points: Vec<PointEntry>,
     /// Operating conditions.
     pub conditions: Vec<Condition>,
+    /// Points of the shipped study that the vehicle's flight lacks, and why.
+    pub left_out: Vec<String>,
 }
 
 table! { "The pitch test." PitchTest
@@ -59,7 +61,8 @@ table! { "The pitch test." PitchTest
 }
 
 table! { "The yaw–roll test." YawRollTest
-    yaw_deg: f64 = number_in("yaw-deg", Any), "Initial yaw, deg.";
+    yaw_deg: f64 = number_in("yaw-deg", Any), "Initial yaw, within the tips' own authority, deg.";
+    large_yaw_deg: f64 = number_in("large-yaw-deg", Any), "A larger one, beyond it, deg.";
     yaw_rate_dps: f64 = number_in("yaw-rate-dps", Any), "Initial yaw rate, deg/s.";
     roll_deg: f64 = number_in("roll-deg", Any), "Initial roll, deg.";
     roll_rate_dps: f64 = number_in("roll-rate-dps", Any), "Initial roll rate, deg/s.";
@@ -144,6 +147,8 @@ pub struct Condition {
     pub overshoot: bool,
     /// Adds a yaw–roll run with the tips dedicated to roll.
     pub dedicated: bool,
+    /// Adds yaw–roll runs from the large yaw offset and from either offset alone.
+    pub offsets: bool,
     /// Points it is limited to, by name; all if none is given.
     pub points: Option<Vec<String>>,
 }

@@ -25,7 +25,8 @@
 //!
 //! TVC in pitch and yaw:
 //! * Ḟ_p = (sat(K_T dz(e_p − T_T g_p, e_dz), F_max) − F_p)/τ_T
-//! * Ḟ_y likewise with e_y, g_y
+//! * Ḟ_y likewise with e_y, g_y, the dead zone less what roll has of the tips:
+//!   max(e_dz − k·½|δ_2 − δ_4|, 0)
 //!
 //! Forces and moments in body axes, with effectivenesses η:
 //! * Y_p = η_p F_δ δ_p, Y_y = ½F_δ(η_2 δ_2 + η_4 δ_4)
@@ -205,12 +206,13 @@ pub fn derivative(
         saturated(lag, slew)
     });
 
+    let in_roll = 0.5 * (state.tip_rad[1] - state.tip_rad[2]).abs();
+    let left_in_yaw = (gains.dead_zone_rad - gains.dead_zone_yield * in_roll).max(0.0);
+    let half_width = [gains.dead_zone_rad, left_in_yaw];
     let tvc_rate = std::array::from_fn(|i| {
         let error = errors[i] - gains.tvc_lead_s * state.gyro_radps[i];
-        let wanted = saturated(
-            tvc_gain_nprad[i] * dead_zone(error, gains.dead_zone_rad),
-            data.tvc.force_max_n,
-        );
+        let wanted =
+            saturated(tvc_gain_nprad[i] * dead_zone(error, half_width[i]), data.tvc.force_max_n);
         (wanted - state.tvc_n[i]) / data.tvc.time_constant_s
     });
 

@@ -60,7 +60,8 @@ fn table(runs: &[&Run]) -> Table {
     let words = ["Point", "Condition", "Test"].map(|word| Heading::new(word, ""));
     let mut table = Table::new(words.into_iter().chain(headings()).collect());
     for run in runs {
-        let named = [run.point.as_str(), &run.condition, run.case.test.words()].map(Cell::from);
+        let test = run.case.test.words();
+        let named = [run.point.as_str(), &run.condition, &test].map(Cell::from);
         table.row(named.into_iter().chain(run.moment.iter().flat_map(|m| m.cells())));
     }
     table
