@@ -54,6 +54,36 @@ pub struct RunSpec {
     pub clock: Clock,
 }
 
+/// The checkpoints of an OPERATE period in lock-step, at which both sides keep their states.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Checkpoints {
+    /// Frames from one to the next; not zero.
+    pub every: u64,
+    /// The state that the period goes on from, in place of a start.
+    pub from: Option<AnalogState>,
+}
+
+/// The analog side before the samples of a frame are told.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AnalogState {
+    /// That frame.
+    pub frame: u64,
+    /// What the analog side alone can read.
+    pub bytes: Vec<u8>,
+}
+
+impl Checkpoints {
+    /// The frame that the period begins with.
+    pub fn first(&self) -> u64 {
+        self.from.as_ref().map_or(0, |state| state.frame)
+    }
+
+    /// Whether the states are kept before the samples of `frame`.
+    pub fn due(&self, frame: u64) -> bool {
+        frame > self.first() && frame.is_multiple_of(self.every)
+    }
+}
+
 /// Who says when an update takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Clock {
@@ -184,6 +214,10 @@ pub enum Request {
     StaticCheck,
     /// Starts a run; frames follow until `Ended` or `Faulted`.
     Operate(RunSpec),
+    /// The same with checkpoints, or from one.
+    OperateKept(RunSpec, Checkpoints),
+    /// The state of the analog side, in a frame in which a checkpoint is due.
+    Checkpoint,
     /// Many runs without a frame crossing; afterwards the machine stands as before.
     Sweep(Sweep),
     /// The linear model about the present state, by names of nets; an input stands for whatever
@@ -252,6 +286,8 @@ pub enum Reply {
     Swept(Vec<SweptRun>),
     /// The linear model.
     Linear(LinearModel),
+    /// The state of the analog side; empty where the run ends in this frame.
+    Checkpoint(Vec<u8>),
     /// What ended the last run, and overloads.
     Diagnosis {
         /// Fault text, if the last run faulted.

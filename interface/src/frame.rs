@@ -8,6 +8,7 @@
 //! bytes on every link. Values are in problem units, already quantised.
 
 use crate::Tick;
+use serde::{Deserialize, Serialize};
 
 /// ADC channels a frame can carry.
 pub const ADC_CHANNELS: usize = 64;
@@ -60,7 +61,7 @@ pub enum ModeCommand {
 }
 
 /// One located comparator edge on an interrupt line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Edge {
     /// Located instant.
@@ -72,7 +73,7 @@ pub struct Edge {
 }
 
 /// One transfer as it took effect.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Transfer {
     /// Frame of the updates.
@@ -82,7 +83,7 @@ pub struct Transfer {
 }
 
 /// Samples n: analog to digital.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Samples {
     /// Frame number n.
@@ -90,6 +91,7 @@ pub struct Samples {
     /// `t_n`.
     pub tick: Tick,
     /// ADC values (problem units, after conversion), by channel.
+    #[serde(with = "values")]
     pub adc: [f64; ADC_CHANNELS],
     /// One bit per ADC channel that saturated in this frame.
     pub adc_saturated: u64,
@@ -120,7 +122,7 @@ pub struct Samples {
 }
 
 /// Updates n: digital to analog. As a preset they are part of a request.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Updates {
     /// Frame number n.

@@ -28,7 +28,7 @@ pub enum HoldKind {
 }
 
 /// A linear piece of output.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Piece {
     /// Instant at which the piece begins.
     pub start: Tick,
@@ -49,7 +49,7 @@ impl Piece {
 }
 
 /// Reconstruction of one DAC channel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hold {
     kind: HoldKind,
     last: Option<(Tick, f64)>,

@@ -11,6 +11,7 @@
 //!                                      | Operate accepted
 //!                                      v
 //!                    Operating: samples 0, updates 0, samples 1, … samples n (Ended | Faulted) -> Idle
+//!                    (between updates and samples, Checkpoint and its reply)
 //! ```
 
 mod error;
@@ -97,6 +98,8 @@ struct Run {
     samples: Option<u64>,
     /// Number of the last updates.
     updates: Option<u64>,
+    /// Whether a checkpoint was asked for and not given yet.
+    asked: bool,
 }
 
 /// The state of one session, as either end sees it.
@@ -166,7 +169,13 @@ impl Protocol {
 
     /// A request crosses.
     pub fn request(&mut self, request: &Request) -> Result<(), ProtocolError> {
-        match (&self.phase, request) {
+        match (&mut self.phase, request) {
+            (Phase::Operating(run), Request::Checkpoint)
+                if run.samples.is_some() && run.samples == run.updates && !run.asked =>
+            {
+                run.asked = true;
+                return Ok(());
+            }
             (Phase::Greeting | Phase::Idle, Request::Hello { version, layout_hash }) => {
                 check_hello(*version, *layout_hash)?
             }
@@ -179,17 +188,24 @@ impl Protocol {
             Request::SetParams(_) | Request::SetIcs(_) | Request::Preset(_) => Pending::Set,
             Request::Read(nets) => Pending::Read(nets.len()),
             Request::StaticCheck => Pending::StaticCheck,
-            Request::Operate(spec) => Pending::Operate(spec.clock),
+            Request::Operate(spec) | Request::OperateKept(spec, _) => Pending::Operate(spec.clock),
             Request::Sweep(sweep) => Pending::Sweep(sweep.cases.len()),
             Request::Linearise { .. } => Pending::Linearise,
             Request::Diagnose => Pending::Diagnose,
             Request::Bye => Pending::Bye,
+            Request::Checkpoint => return self.out_of_order(request_name(request)),
         });
         Ok(())
     }
 
     /// A reply crosses.
     pub fn reply(&mut self, reply: &Reply) -> Result<(), ProtocolError> {
+        if let (Phase::Operating(run @ Run { asked: true, .. }), Reply::Checkpoint(_)) =
+            (&mut self.phase, reply)
+        {
+            run.asked = false;
+            return Ok(());
+        }
         let Phase::Answering(pending) = &self.phase else {
             return self.out_of_order(reply_name(reply));
         };
@@ -229,7 +245,7 @@ impl Protocol {
                     });
                 }
                 self.mode = Mode::Operate;
-                Phase::Operating(Run { clock: *clock, samples: None, updates: None })
+                Phase::Operating(Run { clock: *clock, samples: None, updates: None, asked: false })
             }
             (Pending::Bye, Reply::Done) => Phase::Closed,
             (pending, reply) => {
@@ -250,7 +266,7 @@ impl Protocol {
             return self.out_of_order("samples");
         };
         if let Some(last) = run.samples {
-            if !skip && run.updates != Some(last) {
+            if !skip && (run.updates != Some(last) || run.asked) {
                 return Err(ProtocolError::OutOfOrder {
                     message: "samples",
                     phase: "updates of the last frame are due",

@@ -4,8 +4,8 @@
 //! A few kills here; the ignored tests kill as often as the variable `KILLS` says (200 without it),
 //! from the seed `KILLS_SEED`.
 
-use crate::bench_top::{ANALOG, BenchTop, expect, stderr};
-use crate::kills::{Chance, asked};
+use crate::bench_top::{ANALOG, BenchTop, DIGITAL, argv0, children, expect, signal, stderr, until};
+use crate::kills::{Chance, asked, of_base};
 use std::{
     path::{Path, PathBuf},
     process::Output,
@@ -128,6 +128,173 @@ fn a_killed_run_of_a_patch_goes_on_to_the_same_bytes() {
 #[ignore = "a soak test"]
 fn many_kills_of_runs_of_patches() {
     kills_of_a_patch(asked("KILLS", 200));
+}
+
+/// Flights that keep checkpoints; the links change from one life to the next.
+const FLIGHTS: [&[&str]; 4] = [
+    &["--mode", "normal"],
+    &["--mode", "roll-lost", "--design-case", "--profile", "paper-class"],
+    &["--wind", "ensemble", "--seed", "7", "--profile", "ad4", "--frame", "200ms"],
+    &["--mode", "tips-dead", "--alpha", "held", "--fast", "3", "--frame", "99ms"],
+];
+
+/// What a flight has left: trace, results and report, without when and how it was begun.
+fn left_by_flight(directory: &Path) -> [Vec<u8>; 3] {
+    // The report names its directory.
+    let own = directory.file_name().unwrap().to_string_lossy().into_owned();
+    ["trace.arrow", "summary.json", "report.html"].map(|name| {
+        match String::from_utf8(written(&directory.join(name))) {
+            Ok(text) => text.replace(&own, "").into(),
+            Err(trace) => trace.into_bytes(),
+        }
+    })
+}
+
+fn kills_of_flights(count: u64) {
+    let bench = BenchTop::new();
+    let mut chance = Chance(asked("KILLS_SEED", 0x0F1E_E1E5));
+    let fly = |words: &[&str], keeps: bool, link: &str| {
+        let mut command = bench.fly(words);
+        command.args(["--link", link]);
+        if keeps {
+            command.args(["--checkpoint", "1500ms"]);
+        }
+        command
+    };
+    let wholes = FLIGHTS.map(|words| {
+        let (plain, _) = bench.made(&mut fly(words, false, "memory"));
+        let started = Instant::now();
+        let (keeping, output) = bench.made(&mut fly(words, true, "shm"));
+        let took = started.elapsed();
+        assert!(!keeping.join("checkpoint").exists());
+        let [left, other] = [&plain, &keeping].map(|directory| left_by_flight(directory));
+        assert!(left[0] == other[0], "{words:?}: a checkpoint alters the flight");
+        assert!(left[1] == other[1], "{words:?}: a checkpoint alters the results");
+        (other, said(&output, &keeping), took)
+    });
+    let (mut killed, mut resumed) = (0, 0);
+    for n in 0.. {
+        if killed >= count {
+            break;
+        }
+        let (words, whole) = (FLIGHTS[n % FLIGHTS.len()], &wholes[n % FLIGHTS.len()]);
+        let before = bench.run_directories();
+        let mut directory: Option<PathBuf> = None;
+        loop {
+            let link = ["memory", "shm"][chance.below(2) as usize];
+            let goes_on = directory.as_ref().is_some_and(|d| d.join("checkpoint").exists());
+            let mut command = match &directory {
+                Some(directory) if goes_on => {
+                    let place = directory.display().to_string();
+                    bench.command(DIGITAL, &["resume", &place, "--link", link])
+                }
+                _ => fly(words, true, link),
+            };
+            let life = Duration::from_micros(chance.below(whole.2.as_micros() as u64));
+            let mut child = command.spawn().unwrap();
+            std::thread::sleep(life);
+            let is_hit = child.try_wait().unwrap().is_none();
+            let analog = children(child.id()).into_iter().find(|pid| argv0(*pid) == "analog-proc");
+            match analog {
+                Some(pid) if chance.below(3) == 0 => signal(pid, rustix::process::Signal::KILL),
+                _ => child.kill().unwrap(),
+            }
+            let output = child.wait_with_output().unwrap();
+            killed += u64::from(is_hit);
+            resumed += u64::from(goes_on);
+            let told = format!("{words:?} over {link}, kill {killed}, {life:?}");
+            let mut new = bench.run_directories();
+            new.retain(|d| !before.contains(d));
+            if output.status.success() {
+                let directory = if goes_on { directory.unwrap() } else { new.pop().unwrap() };
+                let left = left_by_flight(&directory);
+                for (found, expected) in left.iter().zip(&whole.0) {
+                    assert!(found == expected, "{told}: another trace, result or report");
+                }
+                assert_eq!(said(&output, &directory), whole.1, "{told}");
+                assert!(!directory.join("checkpoint").exists(), "{told}");
+                break;
+            }
+            let code = output.status.code();
+            assert!(matches!(code, None | Some(3)), "{told}: {code:?}: {}", stderr(&output));
+            if !goes_on {
+                directory = new.pop();
+            }
+        }
+    }
+    assert!(2 * resumed >= killed, "{resumed} resumed of {killed} killed");
+    until("the end of all sides", Duration::from_secs(10), || {
+        of_base(&bench).is_empty().then_some(())
+    });
+    // Where nobody survived, the next session removes what is left.
+    expect(&mut bench.fly(&["--until", "100ms"]), 0);
+    bench.assert_clean();
+}
+
+#[test]
+fn a_killed_flight_goes_on_to_the_same_bytes() {
+    kills_of_flights(8);
+}
+
+#[test]
+#[ignore = "a soak test"]
+fn many_kills_of_flights() {
+    kills_of_flights(asked("KILLS", 200));
+}
+
+#[test]
+fn a_checkpoint_of_another_flight_is_refused_with_its_reason() {
+    let bench = BenchTop::new();
+    // A flight that goes on until it is killed: a checkpoint at every fast frame.
+    let interrupted = |mode: &str| {
+        let before = bench.run_directories();
+        let mut child = bench.fly(&["--checkpoint", "1ms", "--mode", mode]).spawn().unwrap();
+        let directory = until("the first checkpoint", Duration::from_secs(20), || {
+            let new = bench.run_directories().into_iter().find(|d| !before.contains(d));
+            new.filter(|d| d.join("checkpoint").exists())
+        });
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed");
+        child.kill().unwrap();
+        child.wait().unwrap();
+        directory
+    };
+    let (mine, other) = (interrupted("normal"), interrupted("roll-lost"));
+    let place = mine.display().to_string();
+    let refusal = |reason: &str| {
+        let output = expect(&mut bench.command(DIGITAL, &["resume", &place]), 2);
+        let text = stderr(&output);
+        assert!(text.contains(reason), "{reason}: {text}");
+    };
+    let checkpoint = mine.join("checkpoint");
+    let whole = std::fs::read(&checkpoint).unwrap();
+    std::fs::write(&checkpoint, &whole[..whole.len() - 1]).unwrap();
+    refusal("is cut off");
+    let mut damaged = whole.clone();
+    damaged[whole.len() - 1] ^= 1;
+    std::fs::write(&checkpoint, &damaged).unwrap();
+    refusal("is damaged");
+    std::fs::write(&checkpoint, std::fs::read(other.join("checkpoint")).unwrap()).unwrap();
+    refusal("is not as it was when the flight began");
+    std::fs::write(&checkpoint, &whole).unwrap();
+    let record = std::fs::read_to_string(mine.join("run.toml")).unwrap();
+    let changed = record.replace("misalign-pitch = 0.0", "misalign-pitch = 0.5");
+    assert_ne!(changed, record);
+    std::fs::write(mine.join("run.toml"), changed).unwrap();
+    refusal("is not as it was when the flight began");
+    std::fs::write(mine.join("run.toml"), record).unwrap();
+    let rows = std::fs::read(mine.join("trace.arrow")).unwrap();
+    std::fs::write(mine.join("trace.arrow"), &rows[1..]).unwrap();
+    refusal("is not as the checkpoint left it");
+    std::fs::write(mine.join("trace.arrow"), rows).unwrap();
+    expect(&mut bench.command(DIGITAL, &["resume", &place, "--link", "memory"]), 0);
+    refusal("it has ended");
+    for (words, reason) in [
+        (["--checkpoint", "1s", "--clock", "wall"], "lock-step"),
+        (["--checkpoint", "0s", "--clock", "lock-step"], "must be positive"),
+    ] {
+        let text = stderr(&expect(&mut bench.fly(&words), 2));
+        assert!(text.contains(reason), "{text}");
+    }
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn start(bench: &BenchTop, kind: &str) -> Child {
 }
 
 /// Every live process that uses the base of `bench`.
-fn of_base(bench: &BenchTop) -> Vec<u32> {
+pub fn of_base(bench: &BenchTop) -> Vec<u32> {
     let mark = format!("HYBRID_BASE={}", bench.base().display());
     let uses = |pid: &u32| {
         let all = std::fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();

@@ -21,6 +21,7 @@ use interface::{
     hold::Hold,
     profile::Profile,
 };
+use serde::{Deserialize, Serialize};
 
 #[derive(Clone)]
 struct AdcChannel {
@@ -45,7 +46,7 @@ struct DcuChannel {
 }
 
 /// DAC and DCU channels set beyond what their stage can represent, a bit each.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 struct Saturations {
     dac: u64,
     dcu: [u64; 2],
@@ -74,6 +75,16 @@ struct Line {
     net: NetId,
 }
 
+/// What the channels hold between two frames, and what is still to be told of them.
+#[derive(Serialize, Deserialize)]
+pub struct ChannelState {
+    dac: Vec<(Hold, f64)>,
+    dcu: Vec<f64>,
+    control: Vec<bool>,
+    saturations: Saturations,
+    transfers: Vec<Transfer>,
+}
+
 /// Every channel of one loaded patch, in order of number.
 #[derive(Clone)]
 pub struct Channels {
@@ -91,6 +102,31 @@ pub struct Channels {
 }
 
 impl Channels {
+    /// What they hold between two frames.
+    pub fn state(&self) -> ChannelState {
+        ChannelState {
+            dac: self.dac.iter().map(|dac| (dac.hold, dac.value)).collect(),
+            dcu: self.dcu.iter().map(|dcu| dcu.value).collect(),
+            control: self.control.iter().map(|(_, on)| *on).collect(),
+            saturations: self.saturations.clone(),
+            transfers: self.transfers.clone(),
+        }
+    }
+
+    /// Takes over what the channels of the same patch held; the machine has it already.
+    pub fn restore(&mut self, state: ChannelState) {
+        for (dac, (hold, value)) in self.dac.iter_mut().zip(state.dac) {
+            (dac.hold, dac.value) = (hold, value);
+        }
+        for (dcu, value) in self.dcu.iter_mut().zip(state.dcu) {
+            dcu.value = value;
+        }
+        for ((_, on), was) in self.control.iter_mut().zip(state.control) {
+            *on = was;
+        }
+        (self.saturations, self.transfers) = (state.saturations, state.transfers);
+    }
+
     /// ADC channels in a scan.
     pub fn adc_count(&self) -> usize {
         self.adc.len()

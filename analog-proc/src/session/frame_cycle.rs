@@ -12,11 +12,20 @@
 //! processes can change a lock-step run, and a replay repeats a free-running one
 //! bit by bit. In HOLD the frames go on and problem time stands still.
 //!
+//! Where checkpoints are kept, the state is given away once the samples of a frame are taken and
+//! before they are told: all updates have taken effect then, and none is on its way. A period that
+//! goes on from it begins by telling those samples.
+//!
 //! With an aperture a > 0 the sample held at t is the mean over [t − a, t], by three-point Gauss
 //! quadrature: exact for a signal of fifth degree in the aperture. What precedes the start of the
 //! run, or the end of the scan before, counts as standing still.
 
-use crate::session::{board::Board, channels::Channels, free_run::FreeRun};
+use crate::session::{
+    board::Board,
+    channels::{ChannelState, Channels},
+    free_run::FreeRun,
+};
+use bincode::config::standard;
 use engine::{
     fault::RunFault,
     mode::Mode,
@@ -24,22 +33,61 @@ use engine::{
 };
 use interface::{
     Tick,
-    control::{Clock, RunSpec},
+    control::{AnalogState, Checkpoints, Clock, RunSpec},
     frame::{ModeCommand, RunState, Samples, Updates},
     link::{FramePort, LinkFault},
 };
+use serde::{Deserialize, Serialize};
 use std::{collections::VecDeque, ops::ControlFlow};
+
+/// Where a period stands once the samples of a frame are taken, which it has not told.
+#[derive(Serialize, Deserialize)]
+pub struct Stand {
+    origin: Tick,
+    clock: Tick,
+    held: Tick,
+    holding: bool,
+    samples: Samples,
+}
+
+/// All that a period goes on from.
+#[derive(Serialize, Deserialize)]
+struct PeriodState {
+    stand: Stand,
+    channels: ChannelState,
+    simulation: Vec<u8>,
+}
+
+impl Stand {
+    /// Takes a state over into the board of the same patch; refused, the board is as it was.
+    pub fn read(from: &AnalogState, board: &mut Board) -> Result<Stand, String> {
+        let cannot =
+            |reason: String| format!("the analog side cannot go on from its state: {reason}");
+        let (state, _): (PeriodState, usize) =
+            bincode::serde::decode_from_slice(&from.bytes, standard())
+                .map_err(|e| cannot(e.to_string()))?;
+        if state.stand.samples.frame != from.frame {
+            return Err(cannot("it is that of another frame".to_owned()));
+        }
+        board.simulation.restore(&state.simulation).map_err(|fault| cannot(fault.to_string()))?;
+        board.channels.restore(state.channels);
+        Ok(state.stand)
+    }
+}
 
 /// Runs the frames of one OPERATE period; returns what stopped it early, if it was a fault.
 /// `time_scale` is the wall time that a unit of problem time takes when free-running.
 pub fn run(
     spec: &RunSpec,
     time_scale: f64,
+    (checkpoints, mut resumed): (Option<&Checkpoints>, Option<Stand>),
     Board { simulation, channels }: &mut Board,
     port: &mut dyn FramePort,
 ) -> Result<Option<RunFault>, LinkFault> {
     let origin = simulation.now();
-    channels.set_all(simulation);
+    if resumed.is_none() {
+        channels.set_all(simulation);
+    }
     let mut cycle = Cycle {
         simulation,
         channels,
@@ -49,6 +97,7 @@ pub fn run(
         held: Tick::ZERO,
         holding: false,
         timing: Timing::LockStep { pending: None },
+        checkpoints,
         queue: VecDeque::new(),
         over: None,
         looks: VecDeque::new(),
@@ -64,9 +113,21 @@ pub fn run(
         }
     }
     let channels_in_scan = cycle.channels.adc_count();
-    cycle.open_aperture(spec, 0);
-    for frame in 0_u64.. {
+    let first = match &resumed {
+        None => 0,
+        Some(Stand { origin, clock, held, holding, samples }) => {
+            (cycle.origin, cycle.clock) = (*origin, *clock);
+            (cycle.held, cycle.holding) = (*held, *holding);
+            samples.frame
+        }
+    };
+    cycle.open_aperture(spec, first);
+    for frame in first.. {
         let at = start_of(spec, frame);
+        if let Some(Stand { samples, .. }) = resumed.take() {
+            cycle.tell(spec, samples)?;
+            continue;
+        }
         let last = at == spec.stop;
         let mut samples = Samples::new(frame, at, RunState::Operate);
         for index in 0..channels_in_scan.max(1) {
@@ -93,20 +154,12 @@ pub fn run(
         if let Some(over) = cycle.over.take() {
             return cycle.finish(samples, over);
         }
-        cycle.publish(samples)?;
-        cycle.open_aperture(spec, frame + 1);
-        match &mut cycle.timing {
-            Timing::LockStep { pending } => {
-                *pending = Some((frame, at + spec.latency));
-                // Look-ahead: the array integrates while the digital side computes.
-                cycle.advance((at + spec.latency).min(spec.stop));
-            }
-            Timing::Replay => {
-                let updates = cycle.port.await_updates(frame)?;
-                cycle.enqueue(updates.effective, updates);
-            }
-            Timing::Wall(_) => {}
+        if cycle.keeps(frame) {
+            let state =
+                cycle.state(samples).map_err(|detail| LinkFault::Protocol { frame, detail })?;
+            cycle.port.give_state(frame, state)?;
         }
+        cycle.tell(spec, samples)?;
     }
     unreachable!("frames are counted in u64")
 }
@@ -167,6 +220,7 @@ struct Cycle<'a> {
     held: Tick,
     holding: bool,
     timing: Timing,
+    checkpoints: Option<&'a Checkpoints>,
     /// Updates that have not taken effect yet, in order of time.
     queue: VecDeque<Due>,
     over: Option<Over>,
@@ -341,6 +395,42 @@ impl Cycle<'_> {
         }
     }
 
+    /// Whether a checkpoint is due before the samples of `frame`.
+    fn keeps(&self, frame: u64) -> bool {
+        self.checkpoints.is_some_and(|checkpoints| checkpoints.due(frame))
+    }
+
+    /// All that the period goes on from, before `samples` are told.
+    fn state(&self, samples: Samples) -> Result<Vec<u8>, String> {
+        let Cycle { origin, clock, held, holding, .. } = *self;
+        let state = PeriodState {
+            stand: Stand { origin, clock, held, holding, samples },
+            channels: self.channels.state(),
+            simulation: self.simulation.snapshot().map_err(|fault| fault.to_string())?,
+        };
+        bincode::serde::encode_to_vec(state, standard()).map_err(|e| e.to_string())
+    }
+
+    /// Tells the samples of a frame, and goes on to where its updates are due.
+    fn tell(&mut self, spec: &RunSpec, samples: Samples) -> Result<(), LinkFault> {
+        let (frame, due) = (samples.frame, samples.tick + spec.latency);
+        self.publish(samples)?;
+        self.open_aperture(spec, frame + 1);
+        match &mut self.timing {
+            Timing::LockStep { pending } => {
+                *pending = Some((frame, due));
+                // Look-ahead: the array integrates while the digital side computes.
+                self.advance(due.min(spec.stop));
+            }
+            Timing::Replay => {
+                let updates = self.port.await_updates(frame)?;
+                self.enqueue(updates.effective, updates);
+            }
+            Timing::Wall(_) => {}
+        }
+        Ok(())
+    }
+
     /// Sends samples; on the wall clock not before their instant, and with their lateness.
     fn publish(&mut self, mut samples: Samples) -> Result<(), LinkFault> {
         if let Timing::Wall(free) = &mut self.timing {
@@ -376,6 +466,10 @@ impl Cycle<'_> {
         self.stamp(&mut samples);
         samples.tick = self.clock;
         samples.state = state as u32;
+        if self.keeps(samples.frame) {
+            // Nothing to go on from: the period ends here.
+            self.port.give_state(samples.frame, Vec::new())?;
+        }
         self.publish(samples)?;
         Ok(fault)
     }

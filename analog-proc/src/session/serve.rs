@@ -7,13 +7,19 @@ use crate::{
     net::Kind,
     order::Ordered,
     patch,
-    session::{board::Board, channels::Channels, frame_cycle, static_check::static_check, sweep},
+    session::{
+        board::Board,
+        channels::Channels,
+        frame_cycle::{self, Stand},
+        static_check::static_check,
+        sweep,
+    },
     tolerance,
 };
 use engine::{id::NetId, linear::Linear};
 use interface::{
     Tick,
-    control::{LinearModel, PatchBundle, Reply, Request, RunSpec},
+    control::{AnalogState, Checkpoints, Clock, LinearModel, PatchBundle, Reply, Request, RunSpec},
     link::{AnalogPort, FramePort, LinkFault, direct::AnalogSide},
     profile::Profile,
 };
@@ -44,12 +50,19 @@ struct Loaded {
     board: Board,
 }
 
+/// An OPERATE period to be run.
+struct Period {
+    spec: RunSpec,
+    checkpoints: Option<Checkpoints>,
+    resumed: Option<Stand>,
+}
+
 /// The analog side of one session, whatever leads to it.
 #[derive(Default)]
 pub struct Server {
     loaded: Option<Loaded>,
     /// The period that was accepted and not yet run.
-    accepted: Option<RunSpec>,
+    accepted: Option<Period>,
     fault: Option<String>,
 }
 
@@ -70,11 +83,13 @@ impl AnalogSide for Server {
     }
 
     fn operate(&mut self, port: &mut dyn FramePort) -> Result<(), LinkFault> {
-        let (Some(spec), Some(loaded)) = (self.accepted.take(), &mut self.loaded) else {
+        let (Some(period), Some(loaded)) = (self.accepted.take(), &mut self.loaded) else {
             return Ok(());
         };
+        let Period { spec, checkpoints, resumed } = period;
         let time_scale = loaded.ordered.netlist.integration.time_scale;
-        let fault = frame_cycle::run(&spec, time_scale, &mut loaded.board, port)?;
+        let kept = (checkpoints.as_ref(), resumed);
+        let fault = frame_cycle::run(&spec, time_scale, kept, &mut loaded.board, port)?;
         self.fault = fault.map(|f| f.to_string());
         Ok(())
     }
@@ -143,11 +158,24 @@ impl Server {
             }),
             Request::Operate(spec) => {
                 self.admit(&spec)?;
-                self.accepted = Some(spec);
+                self.accepted = Some(Period { spec, checkpoints: None, resumed: None });
+                Ok(Reply::Done)
+            }
+            Request::OperateKept(spec, checkpoints) => {
+                if checkpoints.every == 0 || spec.clock != Clock::LockStep {
+                    return Err("checkpoints are kept in lock-step, some frames apart".into());
+                }
+                self.admit(&spec)?;
+                let board = &mut self.loaded()?.board;
+                let resume = |from: &AnalogState| Stand::read(from, board);
+                let resumed = checkpoints.from.as_ref().map(resume).transpose()?;
+                self.accepted = Some(Period { spec, checkpoints: Some(checkpoints), resumed });
                 Ok(Reply::Done)
             }
             Request::Bye => Ok(Reply::Done),
-            Request::Sweep(_) => Err("not a request to be answered here".into()),
+            Request::Sweep(_) | Request::Checkpoint => {
+                Err("not a request to be answered here".into())
+            }
         }
     }
 

@@ -106,7 +106,7 @@ fn run_case(
         Tape { adc: &sweep.adc, given_up, rows: Vec::new(), saturated: false, last: Tick::ZERO };
     let time_scale = patch.netlist.integration.time_scale;
     // A tape fails only where the whole sweep is given up.
-    let ended = frame_cycle::run(&spec, time_scale, &mut board, &mut tape);
+    let ended = frame_cycle::run(&spec, time_scale, (None, None), &mut board, &mut tape);
     let fault = ended.map_err(|fault| fault.to_string())?;
     Ok(SweptRun {
         samples: tape.rows,
@@ -142,6 +142,11 @@ impl FramePort for Tape<'_> {
 
     fn poll_updates(&mut self, _: u64) -> Result<Option<Updates>, LinkFault> {
         Ok(None)
+    }
+
+    /// Nobody asks for it.
+    fn give_state(&mut self, _: u64, _: Vec<u8>) -> Result<(), LinkFault> {
+        Ok(())
     }
 
     fn attend(&mut self) -> Result<(), LinkFault> {

@@ -3,15 +3,16 @@
 use super::{Context, MachineArgs, failure_file, vehicle_args::VehicleArgs};
 use crate::{
     flight::{
-        AlphaPath, AxesName, FlightFault, FunctionGeneration, Stage, Timing,
+        AlphaPath, AxesName, FlightFault, FlightPlan, FunctionGeneration, Keeping, Stage, Timing,
         channels::Sampled,
+        pacing::Pacing,
         plan_record::{Pace, PlanFault, PlanRecord, WindName},
         trace::{self, BATCH_ROWS, Recorder},
     },
-    linkage::console::Console,
+    linkage::console::{Console, ConsoleFault},
     report::{block_diagram, flight::variables, pacing},
     study::bending_moment::{
-        self,
+        self, BendingMoments,
         flight::{Beside, FlightMoments},
     },
 };
@@ -20,13 +21,17 @@ use desk::{
     note,
     outcome::{Figure, Outcome, Run},
     report::Summary,
-    run_dir::{DEFAULT_BASE, Seed, TRACE_FILE, TRANSFERS_FILE},
+    run_dir::{CHECKPOINT_FILE, DEFAULT_BASE, RECORD_FILE, Seed, TRACE_FILE, TRANSFERS_FILE},
+    user_file::read_text,
 };
-use interface::Tick;
-use std::path::PathBuf;
+use interface::{Tick, control::Overload};
+use std::{fs::File, path::PathBuf};
 use vehicle::{
-    Vehicle, flight_mode::FlightMode, flight_summary::FlightSummary, range_safety::GroundPoint,
-    structure::Structure,
+    Vehicle,
+    flight_mode::FlightMode,
+    flight_summary::FlightSummary,
+    range_safety::GroundPoint,
+    structure::{Structure, StructureError},
 };
 
 /// Fly the first stage from lift-off to burn-out.
@@ -55,6 +60,9 @@ pub struct Fly {
     /// Who paces the flight; `digital-proc replay` repeats either to the last bit
     #[arg(help_heading = "Machine", long, value_enum, default_value = "lock-step")]
     clock: Pace,
+    /// Problem time between two checkpoints, for `digital-proc resume` [default: none are kept]
+    #[arg(help_heading = "Output", long, value_name = "TIME")]
+    checkpoint: Option<Tick>,
     /// Stop before burn-out
     #[arg(long, value_name = "TIME")]
     until: Option<Tick>,
@@ -115,6 +123,7 @@ impl Fly {
         let plan_record = self.plan_record(&vehicle)?;
         let plan = plan_record.plan(&vehicle)?;
         let parameters = plan_record.to_parameters().map_err(Failure::input)?;
+        let every = self.frames_between_checkpoints(&plan_record)?;
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(&mut machine);
         let mut stage =
@@ -136,59 +145,35 @@ impl Fly {
                 Timing::Wall
             }
         };
-        let structure = Structure::new(&vehicle);
-        let misalignment = [plan.case.pitch_misalignment, plan.case.yaw_misalignment];
-        let moments = FlightMoments::new(&structure, misalignment);
-        let mut watched = Beside { observer: &mut recorder, moments };
-        let flown = stage.fly(&mut console, &vehicle, &plan, timing, &mut watched);
-        let moments = watched.moments.finish();
-        let paced = recorder.pacing.clone();
-        let closed = recorder.finish();
-        let summary = flown.map_err(|fault| {
-            let path = run.directory.path();
-            let kept = format!("what was recorded up to there is in {}", path.display());
-            let mut failure = Failure::from(fault).and(kept);
-            failure.run = Some(path.to_owned());
-            match &paced {
-                Some(paced) => failure.and(pacing::text(paced)),
-                None => failure,
-            }
-        })?;
-        let saturated = closed?.names(console.channels());
-        let overloads = console.diagnose()?.overloads;
-        console.bye()?;
+        if let Some(every) = every {
+            let path = run.directory.file(RECORD_FILE);
+            let record = read_text(&path)
+                .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
+            recorder = recorder.keeping(run.directory.file(CHECKPOINT_FILE), every, record);
+        }
+        let keeping = Keeping { every, from: None };
+        let flight =
+            Flight { run: &run, plan_record: &plan_record, plan: &plan, vehicle: &vehicle };
+        let flown = flight.fly(console, &mut stage, (timing, keeping), recorder)?;
         drop(machine);
+        flight.publish(flown, self.machine.json)
+    }
 
-        let case =
-            if self.design_case { "; wind and misalignments of the design case" } else { "" };
-        let mut outcome = Outcome::new(
-            format!("First-stage flight, mode {}{case}", self.mode),
-            "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.",
-        );
-        add_results(&vehicle, &summary, &mut outcome.results);
-        let figures = variables(&run.directory.read_trace_thinned()?, vehicle.data())?;
-        outcome.section("The monitored variables").beside(figures);
-        bending_moment::flight::fill(&moments, &mut outcome);
-        outcome.section("Partition").figure(Figure::new(
-            "partition",
-            "Who computes what: control dynamics in the analog processor, trajectory dynamics in the digital one.",
-            block_diagram(),
-        ));
-        if let Some(paced) = &paced {
-            pacing::tell(paced, &mut outcome);
+    /// Fast frames from one checkpoint to the next, if any are to be kept.
+    fn frames_between_checkpoints(&self, record: &PlanRecord) -> Result<Option<u64>, Failure> {
+        let Some(between) = self.checkpoint else {
+            return Ok(None);
+        };
+        if between <= Tick::ZERO {
+            return Err(Failure::input("--checkpoint must be positive"));
         }
-        let overloads = overloads
-            .iter()
-            .map(|o| format!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value));
-        outcome.remarks.extend(overloads);
-        if !saturated.is_empty() {
-            outcome.remarks.push(format!("saturated: {}", saturated.join(", ")));
+        if self.clock == Pace::Wall {
+            return Err(Failure::input(
+                "--checkpoint is for flights in lock-step: the wall clock goes on while one is down",
+            ));
         }
-        let edges = summary.edges.iter().map(|(table, edge)| {
-            format!("table edge: {} {edge:?}; its end value was held", table.label())
-        });
-        outcome.remarks.extend(edges);
-        outcome.publish(&run, self.machine.json)
+        let fast = record.fast_frame()?;
+        Ok(Some((between.0 as u64).div_ceil(fast.0 as u64)))
     }
 
     /// The command line as everything that the flight follows from.
@@ -238,6 +223,112 @@ impl Fly {
             note!("note: the flight ends at burn-out, {burn_out}, before --until {until}");
         }
         Ok(record)
+    }
+}
+
+/// A flight and where it is kept.
+pub(super) struct Flight<'a> {
+    pub run: &'a Run,
+    pub plan_record: &'a PlanRecord,
+    pub plan: &'a FlightPlan,
+    pub vehicle: &'a Vehicle,
+}
+
+/// What a flight has left besides its trace.
+pub(super) struct Flown {
+    summary: FlightSummary,
+    moments: Result<BendingMoments<2>, StructureError>,
+    saturated: Vec<String>,
+    overloads: Vec<Overload>,
+    paced: Option<Pacing>,
+}
+
+impl Flight<'_> {
+    /// Flies from the start or from a checkpoint, and ends the session.
+    pub fn fly(
+        &self,
+        mut console: Console<'_>,
+        stage: &mut Stage,
+        how: (Timing<'_>, Keeping),
+        mut recorder: Recorder<File>,
+    ) -> Result<Flown, Failure> {
+        let directory = &self.run.directory;
+        let structure = Structure::new(self.vehicle);
+        let case = &self.plan.case;
+        let misalignment = [case.pitch_misalignment, case.yaw_misalignment];
+        let mut moments = FlightMoments::new(&structure, misalignment);
+        if let Some(found) = how.1.from.as_ref().and_then(|from| from.moments.clone()) {
+            moments.resume(found);
+        }
+        let mut watched = Beside { observer: &mut recorder, moments };
+        let flown = stage.fly_kept(&mut console, self.vehicle, self.plan, how, &mut watched);
+        let moments = watched.moments.finish();
+        let paced = recorder.pacing.clone();
+        let closed = recorder.finish();
+        let summary = flown.map_err(|fault| {
+            let path = directory.path();
+            let kept = format!("what was recorded up to there is in {}", path.display());
+            // What lies in the flight itself would befall it again.
+            let is_from_outside = matches!(
+                fault,
+                FlightFault::Console(ConsoleFault::Link(_)) | FlightFault::Trace(_)
+            );
+            let mut failure = Failure::from(fault).and(kept);
+            failure.run = Some(path.to_owned());
+            if is_from_outside && directory.file(CHECKPOINT_FILE).exists() {
+                let name = path.display();
+                failure = failure.and(format!("go on with: digital-proc resume {name}"));
+            }
+            match &paced {
+                Some(paced) => failure.and(pacing::text(paced)),
+                None => failure,
+            }
+        })?;
+        let saturated = closed?.names(console.channels());
+        let overloads = console.diagnose()?.overloads;
+        console.bye()?;
+        Ok(Flown { summary, moments, saturated, overloads, paced })
+    }
+
+    /// Tells what the flight came to.
+    pub fn publish(&self, flown: Flown, json: bool) -> Result<(), Failure> {
+        let Flown { summary, moments, saturated, overloads, paced } = flown;
+        let (run, vehicle) = (self.run, self.vehicle);
+        let case = match self.plan_record.wind {
+            WindName::DesignCase => "; wind and misalignments of the design case",
+            _ => "",
+        };
+        let mut outcome = Outcome::new(
+            format!("First-stage flight, mode {}{case}", self.plan_record.mode.name),
+            "Control dynamics on the analog processor, trajectory on the digital one, joined by sampled converters.",
+        );
+        add_results(vehicle, &summary, &mut outcome.results);
+        let figures = variables(&run.directory.read_trace_thinned()?, vehicle.data())?;
+        outcome.section("The monitored variables").beside(figures);
+        bending_moment::flight::fill(&moments, &mut outcome);
+        outcome.section("Partition").figure(Figure::new(
+            "partition",
+            "Who computes what: control dynamics in the analog processor, trajectory dynamics in the digital one.",
+            block_diagram(),
+        ));
+        if let Some(paced) = &paced {
+            pacing::tell(paced, &mut outcome);
+        }
+        let overloads = overloads
+            .iter()
+            .map(|o| format!("overload: {} at {:.4} s ({:.4})", o.block, o.time_s, o.value));
+        outcome.remarks.extend(overloads);
+        if !saturated.is_empty() {
+            outcome.remarks.push(format!("saturated: {}", saturated.join(", ")));
+        }
+        let edges = summary.edges.iter().map(|(table, edge)| {
+            format!("table edge: {} {edge:?}; its end value was held", table.label())
+        });
+        outcome.remarks.extend(edges);
+        outcome.publish(run, json)?;
+        // It has ended; what may be left of it does no harm.
+        let _ = std::fs::remove_file(run.directory.file(CHECKPOINT_FILE));
+        Ok(())
     }
 }
 

@@ -11,6 +11,7 @@ mod fly;
 mod gyro_location;
 mod long_period;
 mod replay;
+mod resume;
 mod roll_drift;
 mod runs;
 mod sampling;
@@ -57,6 +58,7 @@ enum Command {
     Fly(fly::Fly),
     /// Repeat a recorded flight in lock-step and compare it to the last bit
     Replay(replay::Replay),
+    Resume(resume::Resume),
     /// The runs so far, oldest first, or the quantities that a study may change
     List(runs::List),
     /// A run's trace as comma-separated values
@@ -189,6 +191,7 @@ pub fn main(analog: AnalogEntry) -> ExitCode {
             Command::CaseStudy(c) => c.execute(&context),
             Command::Fly(c) => c.execute(&context),
             Command::Replay(c) => c.execute(&context),
+            Command::Resume(c) => c.execute(&context),
             Command::List(c) => c.execute(),
             Command::Export(c) => c.execute(),
             Command::Plot(c) => c.execute(),

@@ -3,7 +3,7 @@
 use super::{Context, JoinArgs, runs::Which};
 use crate::{
     flight::{
-        FlightFault, Stage, Timing, TransferLog,
+        FlightFault, FlightPlan, Stage, Timing, TransferLog,
         plan_record::{Pace, PlanFault, PlanRecord},
         trace::{self, BATCH_ROWS, Recorder},
     },
@@ -12,12 +12,13 @@ use crate::{
 use desk::{
     failure::Failure,
     faults::Source,
-    outcome::Outcome,
+    outcome::{Outcome, Run},
     run_dir::{
         RECORD_FILE, RunRecord, SUMMARY_FILE, TRACE_FILE, TRANSFERS_FILE, Trace, TraceWriter,
         first_difference,
     },
 };
+use vehicle::Vehicle;
 
 /// Repeat a recorded flight in lock-step and compare it to the last bit.
 ///
@@ -39,9 +40,19 @@ pub struct Replay {
     json: bool,
 }
 
-impl Replay {
-    pub fn execute(self, context: &Context) -> Result<(), Failure> {
-        let directory = self.which.open()?;
+/// A flight as its run directory tells of it.
+pub(super) struct Recorded {
+    pub run: Run,
+    /// The text of its `run.toml`.
+    pub text: String,
+    pub plan_record: PlanRecord,
+    pub vehicle: Vehicle,
+    pub plan: FlightPlan,
+}
+
+impl Recorded {
+    pub fn open(which: &Which) -> Result<Recorded, Failure> {
+        let directory = which.open()?;
         let path = directory.file(RECORD_FILE);
         let text = desk::user_file::read_text(&path)
             .map_err(|e| Failure::input(format!("cannot read `{}`: {e}", path.display())))?;
@@ -50,7 +61,7 @@ impl Replay {
         let record: RunRecord = source.parse()?;
         if record.command.split(' ').next() != Some("fly") {
             return Err(Failure::input(format!(
-                "`{}` is a run of `{}`; only flights can be replayed",
+                "`{}` is a run of `{}`; only flights can be replayed or resumed",
                 directory.name(),
                 record.command
             )));
@@ -59,6 +70,25 @@ impl Replay {
         let in_record = |fault: PlanFault| Failure::input(format!("{}: {fault}", path.display()));
         let vehicle = plan_record.vehicle().map_err(in_record)?;
         let plan = plan_record.plan(&vehicle).map_err(in_record)?;
+        Ok(Recorded { run: Run { directory, record }, text, plan_record, vehicle, plan })
+    }
+}
+
+/// Refuses another stage patch than the run `name` flew.
+pub(super) fn expect_patch(record: &RunRecord, name: String, loaded: &str) -> Result<(), Failure> {
+    match &record.patch {
+        Some(patch) if patch.sha256 != loaded => Err(Failure::input(format!(
+            "`{name}` flew another {}: its SHA-256 is {}, that of this build is {loaded}; use the build that flew it",
+            patch.name, patch.sha256,
+        ))),
+        _ => Ok(()),
+    }
+}
+
+impl Replay {
+    pub fn execute(self, context: &Context) -> Result<(), Failure> {
+        let Recorded { run, plan_record, vehicle, plan, .. } = Recorded::open(&self.which)?;
+        let (directory, record) = (run.directory, run.record);
         let recorded = directory.read_trace()?;
         let transfers = match plan_record.clock {
             Pace::LockStep => None,
@@ -74,17 +104,7 @@ impl Replay {
         let mut console = Console::new(&mut machine);
         let mut stage =
             Stage::load_patch(&mut console, &vehicle, &plan.profile, plan.options.patch())?;
-        if let Some(patch) = &record.patch
-            && patch.sha256 != console.patch_hash()
-        {
-            return Err(Failure::input(format!(
-                "`{}` flew another {}: its SHA-256 is {}, that of this build is {}; replay it with the build that flew it",
-                directory.name(),
-                patch.name,
-                patch.sha256,
-                console.patch_hash()
-            )));
-        }
+        expect_patch(&record, directory.name(), console.patch_hash())?;
         let mut bytes = Vec::new();
         let trace_path = directory.file(TRACE_FILE);
         let rows = TraceWriter::new(&mut bytes, &trace_path, &trace::columns(), BATCH_ROWS)?;

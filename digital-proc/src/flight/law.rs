@@ -37,6 +37,14 @@ use vehicle::{
 /// correction of 0 < K < 2 is stable, one a frame late of K < 1.
 const CORRECTION_GAIN: f64 = 0.5;
 
+/// What the digital side goes on from between two frames; the rest follows from the plan.
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+pub struct LawState {
+    start: Tick,
+    state: TrajectoryState,
+    next: TrajectoryState,
+}
+
 /// The digital side of one flight.
 #[derive(Clone)]
 pub struct FlightLaw<'v> {
@@ -95,6 +103,17 @@ impl<'v> FlightLaw<'v> {
             settings: control_settings(vehicle, &case.script, case.failure_start_s, 0.0),
             edges: EdgeRecord::NONE,
         }
+    }
+
+    pub fn kept(&self) -> LawState {
+        LawState { start: self.start, state: self.state, next: self.next }
+    }
+
+    /// As it was between two frames of the same flight.
+    pub fn resume(&mut self, kept: LawState) {
+        let (case, time_s) = (self.case, kept.start.secs());
+        (self.start, self.state, self.next) = (kept.start, kept.state, kept.next);
+        self.settings = control_settings(self.vehicle, &case.script, case.failure_start_s, time_s);
     }
 
     /// The channels that it reads and sets.

@@ -17,21 +17,25 @@ pub(crate) use options::replace_block;
 pub use options::{AxesName, FunctionGeneration, Options};
 pub use timing::{Timing, TransferLog};
 
-use crate::linkage::{
-    console::{Console, ConsoleFault},
-    executive::Rate,
+use crate::{
+    linkage::{
+        console::{Console, ConsoleFault},
+        executive::Rate,
+    },
+    study::bending_moment::flight::Found,
 };
 use channels::StageChannels;
 use desk::run_dir::RunDirError;
 use interface::{
     Tick,
-    control::{Clock, PatchBundle, RunSpec},
+    control::{AnalogState, Checkpoints, Clock, PatchBundle, RunSpec},
     frame::{ModeCommand, Samples, Updates},
     link::Law,
     processor::Kept,
     profile::Profile,
 };
-use law::FlightLaw;
+use law::{FlightLaw, LawState};
+use serde::{Deserialize, Serialize};
 use vehicle::{
     Vehicle,
     flight_summary::{FlightMonitor, FlightSummary},
@@ -99,6 +103,25 @@ pub enum FlightFault {
     /// Nothing was flown.
     #[error("the flight had no frame")]
     NoFrame,
+}
+
+/// A flight's state before the samples of a frame, both sides of it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FlightState {
+    analog: AnalogState,
+    law: LawState,
+    monitor: FlightMonitor,
+    /// The bending moments up to there, where they are looked at.
+    pub moments: Option<Found>,
+}
+
+/// How a flight keeps its state, and what it goes on from.
+#[derive(Clone, Debug, Default)]
+pub struct Keeping {
+    /// Fast frames from one checkpoint to the next; none are kept without.
+    pub every: Option<u64>,
+    /// Where it goes on, in place of lift-off.
+    pub from: Option<FlightState>,
 }
 
 /// The stage patch and its sub-patches, as shipped.
@@ -171,6 +194,18 @@ impl Stage {
         timing: Timing<'_>,
         observer: &mut impl Observer,
     ) -> Result<FlightSummary, FlightFault> {
+        self.fly_kept(console, vehicle, plan, (timing, Keeping::default()), observer)
+    }
+
+    /// As [`Stage::fly`], with checkpoints given to the observer, or from one.
+    pub fn fly_kept(
+        &mut self,
+        console: &mut Console<'_>,
+        vehicle: &Vehicle,
+        plan: &FlightPlan,
+        (timing, keeping): (Timing<'_>, Keeping),
+        observer: &mut impl Observer,
+    ) -> Result<FlightSummary, FlightFault> {
         let parameters = parameters(vehicle);
         if parameters != self.parameters {
             console.set_params(parameters.clone())?;
@@ -183,30 +218,44 @@ impl Stage {
         let channels = self.channels.clone();
         let options = (plan.options, plan.options.channels(console)?);
         let ways = (plan.alpha, options);
-        let law = FlightLaw::new(vehicle, &plan.case, channels, ways, (plan.slow, plan.step));
-        let incidence = law.initial_incidence_rad();
-        let mut ics = vec![("alpha_int", incidence), ("phi", plan.case.roll_drift.initial_rad)];
-        if plan.options.beta == AlphaPath::Redundant {
-            ics.push(("alpha_y", law.initial_yaw_incidence_rad()));
-        }
-        console.set_ics(ics.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())?;
-        preset(console, law.clone(), incidence, vehicle)?;
+        let mut law = FlightLaw::new(vehicle, &plan.case, channels, ways, (plan.slow, plan.step));
+        let mut monitor = FlightMonitor::new(vehicle);
+        let from_ic = keeping.from.is_none();
+        let from = match keeping.from {
+            None => {
+                let incidence = law.initial_incidence_rad();
+                let roll_rad = plan.case.roll_drift.initial_rad;
+                let mut ics = vec![("alpha_int", incidence), ("phi", roll_rad)];
+                if plan.options.beta == AlphaPath::Redundant {
+                    ics.push(("alpha_y", law.initial_yaw_incidence_rad()));
+                }
+                let ics = ics.into_iter().map(|(name, value)| (name.to_owned(), value));
+                console.set_ics(ics.collect())?;
+                preset(console, law.clone(), incidence, vehicle)?;
+                None
+            }
+            Some(state) => {
+                law.resume(state.law);
+                monitor = state.monitor;
+                Some(state.analog)
+            }
+        };
+        let checkpoints = keeping.every.map(|every| Checkpoints { every, from });
 
         let spec = RunSpec {
             frame,
             latency: plan.latency,
             skew: plan.skew,
             stop: plan.stop,
-            from_ic: true,
+            from_ic,
             clock: timing.clock(),
         };
         let _kept = match spec.clock {
             Clock::Wall { processor } => processor.and_then(Kept::on),
             Clock::LockStep | Clock::Replay => None,
         };
-        let monitor = FlightMonitor::new(vehicle);
         let mut flying = Flying { law, timing, monitor, observer, result: None, lost: None };
-        console.run(&spec, &mut flying)?;
+        console.run_kept(&spec, checkpoints.as_ref(), &mut flying)?;
         match flying.lost {
             Some(fault) => Err(fault),
             None => flying.monitor.finish().ok_or(FlightFault::NoFrame),
@@ -221,6 +270,11 @@ pub trait Observer {
 
     /// Every frame that came, also those in which the flight was lost already.
     fn told(&mut self, _samples: &Samples) -> Result<(), RunDirError> {
+        Ok(())
+    }
+
+    /// The flight's state, at a checkpoint.
+    fn keep(&mut self, _state: FlightState) -> Result<(), RunDirError> {
         Ok(())
     }
 
@@ -275,6 +329,18 @@ impl<O: Observer> Law for Flying<'_, O> {
         });
         if let Err(fault) = kept {
             self.lost.get_or_insert(fault.into());
+        }
+    }
+
+    fn checkpoint(&mut self, frame: u64, analog: Vec<u8>) {
+        if self.lost.is_some() {
+            return;
+        }
+        let analog = AnalogState { frame, bytes: analog };
+        let (law, monitor) = (self.law.kept(), self.monitor.clone());
+        if let Err(fault) = self.observer.keep(FlightState { analog, law, monitor, moments: None })
+        {
+            self.lost = Some(fault.into());
         }
     }
 }

@@ -1,15 +1,17 @@
-//! The record of a flight: its trace, and the transfers of one on the wall clock.
+//! The record of a flight: its trace, the transfers of one on the wall clock, its checkpoints.
 
-use super::{FrameResult, Observer, TransferLog, pacing::Pacing};
+use super::{FlightState, FrameResult, Observer, TransferLog, pacing::Pacing};
 use crate::linkage::saturation::Saturations;
 use desk::{
+    checkpoint,
     progress::Progress,
-    run_dir::{Column, RunDirError, Trace, TraceWriter},
+    run_dir::{Column, RunDirError, Trace, TraceState, TraceWriter},
 };
 use interface::{
     Tick,
     frame::{Samples, Transfer},
 };
+use serde::{Deserialize, Serialize};
 use std::{
     fs::File,
     io::Write,
@@ -83,9 +85,30 @@ pub fn transfer_columns() -> [Column; 1] {
     [Column::new("frame", "")]
 }
 
+/// Everything that a flight goes on from, apart from what its `run.toml` tells.
+#[derive(Serialize, Deserialize)]
+pub struct Kept {
+    /// SHA-256 of the `run.toml` that it belongs to, hexadecimal.
+    pub record: String,
+    /// Fast frames from one checkpoint to the next.
+    pub every: u64,
+    pub flight: FlightState,
+    trace: TraceState,
+    saturations: Saturations,
+}
+
+/// Where the checkpoints of a flight go.
+struct Keeper<W: Write> {
+    path: PathBuf,
+    record: String,
+    every: u64,
+    state: fn(&TraceWriter<W>) -> Result<TraceState, RunDirError>,
+}
+
 /// Keeps a flight frame by frame.
 pub struct Recorder<W: Write> {
     rows: TraceWriter<W>,
+    keeper: Option<Keeper<W>>,
     /// On the wall clock: the frames whose updates took effect, with their instants.
     transfers: Option<TraceWriter<File>>,
     /// On the wall clock.
@@ -99,6 +122,7 @@ impl<W: Write> Recorder<W> {
     pub fn new(rows: TraceWriter<W>, stop: Tick) -> Recorder<W> {
         Recorder {
             rows,
+            keeper: None,
             transfers: None,
             pacing: None,
             saturations: Saturations::default(),
@@ -122,7 +146,38 @@ impl<W: Write> Recorder<W> {
     }
 }
 
+impl Recorder<File> {
+    /// Keeps checkpoints in the file `path`, `every` so many fast frames, of the flight whose
+    /// `run.toml` has the SHA-256 `record`.
+    pub fn keeping(mut self, path: PathBuf, every: u64, record: String) -> Recorder<File> {
+        self.keeper = Some(Keeper { path, record, every, state: TraceWriter::state });
+        self
+    }
+
+    /// Goes on with the record of a flight; gives the state that the flight goes on from.
+    pub fn resume(
+        trace: &Path,
+        stop: Tick,
+        path: PathBuf,
+        kept: Kept,
+    ) -> Result<(Recorder<File>, FlightState), RunDirError> {
+        let Kept { record, every, flight, trace: state, saturations } = kept;
+        let rows = TraceWriter::resume(trace, &columns(), BATCH_ROWS, state)?;
+        let recorder = Recorder { saturations, ..Recorder::new(rows, stop) };
+        Ok((recorder.keeping(path, every, record), flight))
+    }
+}
+
 impl<W: Write> Observer for Recorder<W> {
+    fn keep(&mut self, flight: FlightState) -> Result<(), RunDirError> {
+        let Some(Keeper { path, record, every, state }) = &self.keeper else {
+            return Ok(());
+        };
+        let (record, trace) = (record.clone(), state(&self.rows)?);
+        let kept = Kept { record, every: *every, flight, trace, saturations: self.saturations };
+        checkpoint::write(path, &kept)
+    }
+
     fn told(&mut self, samples: &Samples) -> Result<(), RunDirError> {
         if let Some(pacing) = &mut self.pacing {
             pacing.observe(samples);

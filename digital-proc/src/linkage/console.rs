@@ -9,8 +9,8 @@ use desk::faults::suggestion;
 use interface::{
     Tick,
     control::{
-        Channel, ChannelKind, LinearModel, Overload, PatchBundle, Reply, Request, RunSpec, Sweep,
-        SweepCase, SweptRun,
+        Channel, ChannelKind, Checkpoints, LinearModel, Overload, PatchBundle, Reply, Request,
+        RunSpec, Sweep, SweepCase, SweptRun,
     },
     frame::{RunState, Samples, Updates},
     link::{DigitalPort, Law, LinkFault},
@@ -227,8 +227,25 @@ impl<'p> Console<'p> {
     /// # Errors
     /// [`ConsoleFault::RunFault`] when the analog run stops by itself, or the link's.
     pub fn run(&mut self, spec: &RunSpec, law: &mut impl Law) -> Result<Samples, ConsoleFault> {
-        self.done("OPERATE", &Request::Operate(spec.clone()))?;
-        let last = self.port.operate(spec.latency, law)?;
+        self.run_kept(spec, None, law)
+    }
+
+    /// As [`Console::run`], with checkpoints or from one, if there are to be any: `law` is given the
+    /// analog side's state at each.
+    pub fn run_kept(
+        &mut self,
+        spec: &RunSpec,
+        checkpoints: Option<&Checkpoints>,
+        law: &mut impl Law,
+    ) -> Result<Samples, ConsoleFault> {
+        let spec = spec.clone();
+        let latency = spec.latency;
+        let operate = match checkpoints {
+            None => Request::Operate(spec),
+            Some(checkpoints) => Request::OperateKept(spec, checkpoints.clone()),
+        };
+        self.done("OPERATE", &operate)?;
+        let last = self.port.operate(latency, checkpoints, law)?;
         if last.run_state() == RunState::Faulted {
             let fault = self.diagnose()?.fault.unwrap_or_else(|| "no reason given".into());
             return Err(ConsoleFault::RunFault { time: last.tick, fault });

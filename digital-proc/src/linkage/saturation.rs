@@ -6,7 +6,7 @@ use interface::{
 };
 
 /// Channels that saturated in at least one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Saturations {
     adc: u64,
     dac: u64,

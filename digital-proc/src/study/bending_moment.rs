@@ -12,6 +12,7 @@ pub(crate) mod elements;
 pub mod flight;
 pub mod outcome;
 
+use serde::{Deserialize, Serialize};
 use std::{collections::VecDeque, rc::Rc};
 use vehicle::{
     beam_shape::MODES,
@@ -20,7 +21,7 @@ use vehicle::{
 };
 
 /// A moment and where and when it was met.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Met {
     /// N·m; of both planes √(pitch² + yaw²), of one plane |BM|.
     pub moment_nm: f64,
@@ -31,7 +32,8 @@ pub struct Met {
 }
 
 /// The moments of one kind (quasi-static, or with the modes) in N planes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; N]: Serialize", deserialize = "[f64; N]: Deserialize<'de>"))]
 pub struct Moments<const N: usize> {
     /// Greatest of all.
     pub greatest: Met,
@@ -47,7 +49,8 @@ pub struct Moments<const N: usize> {
 }
 
 /// The moments of one run or flight; N planes: pitch alone, yaw alone, or both.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; N]: Serialize", deserialize = "[f64; N]: Deserialize<'de>"))]
 pub struct BendingMoments<const N: usize> {
     /// Without the modes.
     pub quasi_static: Moments<N>,
@@ -115,8 +118,14 @@ impl<const N: usize> Moments<N> {
 const SOUGHT_EVERY_S: f64 = 2.5e-3;
 
 /// A sample: its time, the beam then, f_i of every mode and the quasi-static moments.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "[[f64; MODES]; N]: Serialize, [Vec<f64>; N]: Serialize",
+    deserialize = "[[f64; MODES]; N]: Deserialize<'de>, [Vec<f64>; N]: Deserialize<'de>"
+))]
 struct Sample<const N: usize> {
     time_s: f64,
+    #[serde(with = "shared")]
     beam: Rc<Beam>,
     drive: [[f64; MODES]; N],
     quasi_static_nm: [Vec<f64>; N],
@@ -124,12 +133,32 @@ struct Sample<const N: usize> {
 
 /// Finds the moments sample by sample, one behind: the forces between two samples are the cubic
 /// through them and one on each side.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "[[ModalResponse; MODES]; N]: Serialize, Sample<N>: Serialize, [Vec<f64>; N]: Serialize, BendingMoments<N>: Serialize",
+    deserialize = "[[ModalResponse; MODES]; N]: Deserialize<'de>, Sample<N>: Deserialize<'de>, [Vec<f64>; N]: Deserialize<'de>, BendingMoments<N>: Deserialize<'de>"
+))]
 pub struct Recorder<const N: usize> {
     modes: [[ModalResponse; MODES]; N],
     /// The latest, at most four; the modes are at the last but one.
     samples: VecDeque<Sample<N>>,
     moment_nm: [Vec<f64>; N],
     found: BendingMoments<N>,
+}
+
+/// A beam that several samples may have, kept with each.
+mod shared {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::rc::Rc;
+    use vehicle::structure::Beam;
+
+    pub fn serialize<S: Serializer>(beam: &Rc<Beam>, to: S) -> Result<S::Ok, S::Error> {
+        beam.as_ref().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Rc<Beam>, D::Error> {
+        Beam::deserialize(from).map(Rc::new)
+    }
 }
 
 impl<const N: usize> Recorder<N> {

@@ -98,6 +98,8 @@ pub struct Catalogue {
     times_s: Vec<f64>,
     accept: Acceptance,
     range_safety: RangeSafety,
+    /// Why there is nothing to compare burn-outs with.
+    sound_lost: Option<String>,
 }
 
 /// Flies all of `plan`, as `how` says.
@@ -116,18 +118,19 @@ pub fn run(
         .map(|s| Ok(FlightCase::design(vehicle, &s)?))
         .collect::<Result<Vec<_>, StudyFault>>()?;
     let mut answers = fly_all(console, vehicle, how, (&cases, false), progress)?.into_iter();
-    let sound = answers.next().ok_or(StudyFault::LostFlight)?;
-    let sound = sound.ended.map_err(StudyFault::SoundLost)?;
+    let sound = answers.next().ok_or(StudyFault::LostFlight)?.ended;
     let accept = Acceptance::new(vehicle);
     let entry = |((mode, at_s), Answer { ended, .. }): ((&FlightScript, f64), Answer)| {
-        let departure = ended.as_ref().ok().map(|flight| Departure::new(flight, &sound));
+        let both = ended.as_ref().ok().zip(sound.as_ref().ok());
+        let departure = both.map(|(flight, sound)| Departure::new(flight, sound));
         let severity = departure.map(|d| d.severity(&accept));
         let fate = fate(&ended, severity, &accept);
         Entry { mode: mode.name.clone(), at_s, fate, ended, severity }
     };
     let entries = occurrences().zip(answers).map(entry).collect();
     let range_safety = vehicle.data().range_safety.clone();
-    Ok(Catalogue { entries, times_s: plan.times_s.clone(), accept, range_safety })
+    let times_s = plan.times_s.clone();
+    Ok(Catalogue { entries, times_s, accept, range_safety, sound_lost: sound.err() })
 }
 
 /// The gravest of what a flight violates.
@@ -180,6 +183,11 @@ impl Catalogue {
             100.0 * accept.altitude_fraction,
             accept.range_km
         );
+        if let Some(lost) = &self.sound_lost {
+            out.remarks.push(format!(
+                "catalogue: no trajectory is acceptable, since the sound vehicle was lost in the design case: {lost}"
+            ));
+        }
         let modes: Vec<(&str, &[Entry])> = self.modes().collect();
         let index = |fate: Fate| Fate::ALL.iter().position(|f| *f == fate).unwrap_or(0);
         let map = category_map(&CategoryMap {

@@ -32,9 +32,9 @@ pub enum StudyFault {
     /// The flight that everything is measured against was lost.
     #[error("the undisturbed normal flight was lost: {0}; nothing can be compared with it")]
     NominalLost(String),
-    /// The flight with which those of the failures are compared was lost.
+    /// A flight of the sound vehicle that all is about was lost.
     #[error(
-        "the sound vehicle was lost in the design case: {0}; no failure can be judged beside it"
+        "the sound vehicle was lost in the design case: {0}; there is nothing to show beside it"
     )]
     SoundLost(String),
     /// A flight of the plan has no answer.

@@ -6,7 +6,8 @@
 //! rolls with it and nobody corrects that. Flown without drift, with the attitude errors resolved
 //! through the roll angle, and unresolved: then the tips of the pitch channel, which have turned
 //! with the body, push the vehicle in yaw by sin φ of what they should do in pitch. Beside each
-//! flight of the machine stands that of the second formulation, which shares no code with it.
+//! flight of the machine stands that of the second formulation, which shares no code with the patch
+//! and its engine.
 
 use super::{
     fault::StudyFault,
@@ -148,7 +149,7 @@ impl RollDriftResults {
             }),
             Column::of("cross-range", "m", 4, |f| f.reference_summary.cross_range_m.into()),
         ];
-        let chart = |(id, label, unit, of): (&str, &str, &str, fn(&FlightSample) -> f64)| {
+        let chart = |id, label: &str, unit, of: fn(&FlightSample) -> f64| {
             let curve = |name: String, samples: &[FlightSample], style| {
                 Series::of(name, samples.iter().map(|s| (s.time_s, of(s)))).style(style)
             };
@@ -162,13 +163,13 @@ impl RollDriftResults {
             let chart = LineChart::new("", axes.0, axes.1, machine.chain(second).collect());
             Figure::new(id, format!("{label} against time."), line_chart(&chart.size(Size::HALF)))
         };
-        let figures: [(&str, &str, &str, fn(&FlightSample) -> f64); 4] = [
-            ("roll", "Roll", "°", roll_deg),
-            ("yaw", "Yaw", "°", yaw_deg),
-            ("pitch-error", "Pitch less its command", "°", pitch_error_deg),
-            ("cross-range", "Distance from the launch plane", "m", |s| s.trajectory.cross_m),
+        let figures = vec![
+            chart("roll", "Roll", "°", roll_deg),
+            chart("yaw", "Yaw", "°", yaw_deg),
+            chart("pitch-error", "Pitch less its command", "°", pitch_error_deg),
+            chart("cross-range", "Distance from the launch plane", "m", |s| s.trajectory.cross_m),
         ];
-        out.section("Errors resolved and unresolved").beside(figures.map(chart).into()).table(
+        out.section("Errors resolved and unresolved").beside(figures).table(
             "roll_drift",
             "What the drift does to the flight, resolved and unresolved, and the second formulation (one system, 1 ms, nothing sampled or held).",
             Table::of(&columns, &self.flown),

@@ -10,9 +10,10 @@ use crate::range_safety::{GroundPoint, ground_point};
 use crate::table_edges::EdgeRecord;
 use crate::trajectory::TrajectoryState;
 use crate::{RangeSafety, STANDARD_GRAVITY_MPS2, Site, Vehicle};
+use serde::{Deserialize, Serialize};
 
 /// The variables that the paper monitors (§4.2), and those behind them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FlightSample {
     pub time_s: f64,
     /// Speed, flight-path angle, altitude, range angle.
@@ -61,7 +62,7 @@ impl FlightSample {
 }
 
 /// A peak and where it occurred.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     pub value: f64,
     pub time_s: f64,
@@ -103,7 +104,7 @@ pub struct FlightSummary {
 }
 
 /// Collects a summary.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FlightMonitor {
     judged_from_s: f64,
     site: Site,

@@ -4,7 +4,7 @@
 //! left of an error is that of the cubic, and none of integration.
 
 /// A mode and its state.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct ModalResponse {
     /// η, m.
     pub displacement_m: f64,

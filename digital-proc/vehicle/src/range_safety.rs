@@ -17,7 +17,7 @@ use crate::{RangeSafety, Site};
 use std::f64::consts::TAU;
 
 /// A place on the ground, along and across the track of the launch plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct GroundPoint {
     /// From the launch point along the track, m.
     pub downrange_m: f64,

@@ -120,7 +120,7 @@ impl BodyLoads {
 }
 
 /// A vehicle of which no beam can be made.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum StructureError {
     #[error(
         "at Mach {mach} no uniform load gives the body its slope and centre of pressure beside the nose; check aero.CN_nose, CN_body, x_body"
@@ -302,7 +302,7 @@ impl Structure {
 }
 
 /// A free-free mode of the vehicle at one time, φ(0) = 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Mode {
     /// M_i, kg.
     pub mass_kg: f64,
@@ -315,7 +315,7 @@ pub struct Mode {
 }
 
 /// The vehicle as a beam at one time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Beam {
     pub mass_kg: f64,
     pub cg_x_m: f64,

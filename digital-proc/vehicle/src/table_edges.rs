@@ -23,7 +23,7 @@ interface::named! {
 }
 
 /// Set of (table, edge) pairs that were met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct EdgeRecord {
     below: u8,
     above: u8,

@@ -73,7 +73,7 @@ pub enum FlightError {
 }
 
 /// The translational state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TrajectoryState {
     /// V, m/s.
     pub speed_mps: f64,

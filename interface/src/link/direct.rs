@@ -7,7 +7,7 @@
 use super::{DigitalPort, FramePort, Law, LinkFault, Patience};
 use crate::{
     Tick,
-    control::{Reply, Request},
+    control::{Checkpoints, Reply, Request},
     frame::{RunState, Samples, Updates},
     protocol::Protocol,
 };
@@ -55,7 +55,12 @@ impl DigitalPort for Direct {
         Ok(reply)
     }
 
-    fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault> {
+    fn operate(
+        &mut self,
+        latency: Tick,
+        _checkpoints: Option<&Checkpoints>,
+        law: &mut dyn Law,
+    ) -> Result<Samples, LinkFault> {
         let Direct { analog, protocol, patience } = self;
         let mut frames = Frames { protocol, patience, law, latency, pending: None, last: None };
         analog.operate(&mut frames)?;
@@ -117,5 +122,12 @@ impl FramePort for Frames<'_> {
 
     fn attend(&mut self) -> Result<(), LinkFault> {
         self.patience.check_interrupt(self.protocol.frame())
+    }
+
+    fn give_state(&mut self, frame: u64, state: Vec<u8>) -> Result<(), LinkFault> {
+        if !state.is_empty() {
+            self.law.checkpoint(frame, state);
+        }
+        Ok(())
     }
 }

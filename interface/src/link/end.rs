@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     Tick,
-    control::{Reply, Request},
+    control::{Checkpoints, Reply, Request},
     frame::{RunState, Samples, Updates},
     protocol::{self, Protocol},
 };
@@ -173,6 +173,12 @@ impl<W: AnalogWire> FramePort for End<W> {
     fn attend(&mut self) -> Result<(), LinkFault> {
         self.look()
     }
+
+    fn give_state(&mut self, _frame: u64, state: Vec<u8>) -> Result<(), LinkFault> {
+        // Nothing else is in order here: the protocol refuses it.
+        self.await_request()?;
+        self.reply(&Reply::Checkpoint(state))
+    }
 }
 
 impl<W: Watched> End<W> {
@@ -194,7 +200,7 @@ impl<W: AnalogWire> AnalogPort for End<W> {
         let frame = self.protocol.frame();
         let request = self.message(Limit::Unlimited)?;
         self.protocol.request(&request).map_err(|e| e.at(frame))?;
-        if let Request::Operate(_) = request {
+        if let Request::Operate(_) | Request::OperateKept(..) = request {
             // Late updates of an earlier run on the wall clock; in lock-step there are none.
             self.early = None;
             let mut late = Updates::new(0, Tick::ZERO);
@@ -268,8 +274,21 @@ impl<W: DigitalWire> DigitalPort for End<W> {
         self.request_within(request, Limit::Silence)
     }
 
-    fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault> {
-        for frame in 0.. {
+    fn operate(
+        &mut self,
+        latency: Tick,
+        checkpoints: Option<&Checkpoints>,
+        law: &mut dyn Law,
+    ) -> Result<Samples, LinkFault> {
+        for frame in checkpoints.map_or(0, Checkpoints::first).. {
+            if checkpoints.is_some_and(|checkpoints| checkpoints.due(frame)) {
+                // The protocol lets no other reply through.
+                if let Reply::Checkpoint(state) = self.request(&Request::Checkpoint)?
+                    && !state.is_empty()
+                {
+                    law.checkpoint(frame, state);
+                }
+            }
             let samples = self.await_samples(frame)?;
             let state = samples.run_state();
             if state == RunState::Faulted {

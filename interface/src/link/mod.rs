@@ -15,7 +15,7 @@ pub use waiting::Patience;
 
 use crate::{
     Tick,
-    control::{Reply, Request},
+    control::{Checkpoints, Reply, Request},
     frame::{Samples, Updates},
 };
 
@@ -66,6 +66,9 @@ pub trait FramePort {
     /// Looks whether somebody still waits for this side, which is computing; cheap enough
     /// to be asked every few microseconds.
     fn attend(&mut self) -> Result<(), LinkFault>;
+    /// Gives the state of the analog side, where a checkpoint is due, before the frame's samples;
+    /// an empty one where the run ends there.
+    fn give_state(&mut self, frame: u64, state: Vec<u8>) -> Result<(), LinkFault>;
 }
 
 /// The analog processor's end.
@@ -86,6 +89,10 @@ pub trait Law {
 
     /// Once updates n are on their way, so that keeping records delays no transfer.
     fn after(&mut self, _samples: &Samples) {}
+
+    /// At a checkpoint, before samples `frame`: the state of the analog side, to be kept with this
+    /// one's.
+    fn checkpoint(&mut self, _frame: u64, _analog: Vec<u8>) {}
 }
 
 impl<F: FnMut(&Samples, &mut Updates)> Law for F {
@@ -99,8 +106,14 @@ pub trait DigitalPort {
     /// Sends a request and waits for its reply.
     fn request(&mut self, request: &Request) -> Result<Reply, LinkFault>;
     /// Once OPERATE was accepted: runs `law` frame by frame, its updates to take effect `latency`
-    /// after their samples, and gives the samples at the end (`Ended` or `Faulted`).
-    fn operate(&mut self, latency: Tick, law: &mut dyn Law) -> Result<Samples, LinkFault>;
+    /// after their samples, and gives the samples at the end (`Ended` or `Faulted`). The
+    /// `checkpoints` are those that were accepted.
+    fn operate(
+        &mut self,
+        latency: Tick,
+        checkpoints: Option<&Checkpoints>,
+        law: &mut dyn Law,
+    ) -> Result<Samples, LinkFault>;
     /// Looks whether this side is wanted still and the partner lives, while nothing is asked of it.
     fn attend(&mut self) -> Result<(), LinkFault>;
 }

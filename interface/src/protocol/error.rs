@@ -42,7 +42,8 @@ pub(super) fn request_name(request: &Request) -> &'static str {
         Request::StaticCheck => "request StaticCheck",
         Request::Sweep(_) => "request Sweep",
         Request::Linearise { .. } => "request Linearise",
-        Request::Operate(_) => "request Operate",
+        Request::Operate(_) | Request::OperateKept(..) => "request Operate",
+        Request::Checkpoint => "request Checkpoint",
         Request::Diagnose => "request Diagnose",
         Request::Bye => "request Bye",
     }
@@ -57,6 +58,7 @@ pub(super) fn reply_name(reply: &Reply) -> &'static str {
         Reply::StaticCheck(_) => "reply StaticCheck",
         Reply::Swept(_) => "reply Swept",
         Reply::Linear(_) => "reply Linear",
+        Reply::Checkpoint(_) => "reply Checkpoint",
         Reply::Diagnosis { .. } => "reply Diagnosis",
         Reply::Refused(_) => "reply Refused",
     }

@@ -8,7 +8,7 @@ use crate::{
 use std::mem::{align_of, offset_of, size_of};
 
 /// Version of the protocol; raised whenever a message changes its meaning.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// Hash of everything on which the meaning of a frame's bytes depends: sizes,
 /// alignments, offsets and channel counts. Equal layouts have equal hashes on

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     Tick,
-    control::{PatchBundle, RunSpec},
+    control::{Checkpoints, PatchBundle, RunSpec},
     profile::Profile,
 };
 use proptest::prelude::*;
@@ -111,6 +111,28 @@ fn replies_match_their_requests() {
     protocol.request(&Request::SetParams(vec![("nil".into(), 0.0)])).unwrap();
     protocol.reply(&Reply::Refused("no such".into())).unwrap();
     protocol.request(&Request::StaticCheck).unwrap();
+}
+
+#[test]
+fn a_checkpoint_has_its_place_between_updates_and_samples() {
+    let mut protocol = loaded();
+    let checkpoints = Checkpoints { every: 2, from: None };
+    protocol.request(&Request::OperateKept(spec(Clock::LockStep), checkpoints)).unwrap();
+    protocol.reply(&Reply::Done).unwrap();
+    assert!(protocol.request(&Request::Checkpoint).is_err());
+    for n in 0..2 {
+        protocol.samples(n, RunState::Operate).unwrap();
+        assert!(protocol.request(&Request::Checkpoint).is_err());
+        protocol.updates(n).unwrap();
+    }
+    assert!(protocol.reply(&Reply::Checkpoint(vec![])).is_err());
+    protocol.request(&Request::Checkpoint).unwrap();
+    assert!(protocol.request(&Request::Checkpoint).is_err());
+    assert!(protocol.samples(2, RunState::Operate).is_err());
+    assert!(protocol.reply(&Reply::Refused("no".into())).is_err());
+    protocol.reply(&Reply::Checkpoint(vec![1])).unwrap();
+    protocol.samples(2, RunState::Ended).unwrap();
+    assert!(protocol.request(&Request::Checkpoint).is_err());
 }
 
 #[test]

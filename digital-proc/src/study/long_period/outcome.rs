@@ -275,7 +275,7 @@ const VARIABLES: [Variable; 14] = [
     ),
     variable(
         ["q_alpha_total_kpa_deg", "kPa deg"],
-        ["q-alpha-total", "Load with the yaw incidence, Q√(α² + α_y²)", "kPa·°"],
+        ["q-alpha-total", "Total Q√(α² + α_y²)", "kPa·°"],
         |s| s.total_q_alpha_padeg() / 1e3,
     ),
     variable(["cross_range_m", "m"], ["cross-range", "Distance from the launch plane", "m"], |s| {

@@ -46,6 +46,8 @@ pub const RECORD_FILE: &str = "run.toml";
 pub const TRACE_FILE: &str = "trace.arrow";
 /// When each update took effect, in a run on the wall clock.
 pub const TRANSFERS_FILE: &str = "transfers.arrow";
+/// The state of a flight on its way; gone once it has ended.
+pub const CHECKPOINT_FILE: &str = "checkpoint";
 /// The results in short; present only once the run has ended.
 pub const SUMMARY_FILE: &str = "summary.json";
 /// The self-contained report.
