@@ -2,7 +2,7 @@
 
 use crate::bench_top::with_console;
 use digital_proc::{
-    flight::{AlphaPath, FlightPlan, FrameResult, Stage, Timing},
+    flight::{AlphaPath, FlightPlan, FrameResult, Options, Stage, Timing},
     linkage::executive::Rate,
 };
 use interface::{Tick, frame::Samples};
@@ -33,6 +33,7 @@ fn machine(
         skew: Tick::ZERO,
         stop: Tick(48_800_000_000),
         alpha,
+        options: Options::NONE,
         profile: desk::profile::load("ideal").unwrap(),
     };
     let mut samples = Vec::new();

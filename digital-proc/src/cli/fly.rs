@@ -3,7 +3,7 @@
 use super::{Context, MachineArgs, failure_file, vehicle_args::VehicleArgs};
 use crate::{
     flight::{
-        AlphaPath, FlightFault, FlightPlan, Keeping, Stage, Timing,
+        AlphaPath, AxesName, FlightFault, FlightPlan, FunctionGeneration, Keeping, Stage, Timing,
         channels::Sampled,
         pacing::Pacing,
         plan_record::{Pace, PlanFault, PlanRecord, WindName},
@@ -99,6 +99,15 @@ pub struct Fly {
     /// How the angle of attack reaches the rotational equations
     #[arg(long, value_enum, default_value = "redundant")]
     alpha: AlphaPath,
+    /// How the yaw incidence does: by figure 1's scheme too, or from the held crosswind angle
+    #[arg(long, value_enum, default_value = "held")]
+    beta: AlphaPath,
+    /// Axes of the translational equations on the digital side
+    #[arg(long, value_enum, default_value = "flight-path")]
+    axes: AxesName,
+    /// Where the aerodynamic moments are formed
+    #[arg(long, value_enum, default_value = "hybrid")]
+    functions: FunctionGeneration,
     #[command(flatten)]
     vehicle: VehicleArgs,
     /// Directory for runs; each run makes its own directory there
@@ -117,7 +126,8 @@ impl Fly {
         let every = self.frames_between_checkpoints(&plan_record)?;
         let mut machine = self.machine.start(context)?;
         let mut console = Console::new(&mut machine);
-        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage =
+            Stage::load_patch(&mut console, &vehicle, &plan.profile, plan.options.patch())?;
 
         let (command, link) = (format!("fly {}", self.mode), self.machine.join.link_name());
         let mut run = Run::begin(&self.out, &command, &plan.profile.name, link)?;
@@ -188,6 +198,9 @@ impl Fly {
             skew: self.skew.unwrap_or_else(|| profile.skew()),
             stop: self.until.map_or(burn_out, |t| t.min(burn_out)),
             alpha: self.alpha,
+            beta: self.beta,
+            axes: self.axes,
+            functions: self.functions,
             wind,
             wind_seed: Seed(self.seed),
             misalign_pitch,

@@ -102,7 +102,8 @@ impl Replay {
 
         let mut machine = self.join.start(context)?;
         let mut console = Console::new(&mut machine);
-        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage =
+            Stage::load_patch(&mut console, &vehicle, &plan.profile, plan.options.patch())?;
         expect_patch(&record, directory.name(), console.patch_hash())?;
         let mut bytes = Vec::new();
         let trace_path = directory.file(TRACE_FILE);

@@ -62,7 +62,8 @@ impl Resume {
         let every = Some(kept.every);
         let mut machine = self.join.start(context)?;
         let mut console = Console::new(&mut machine);
-        let mut stage = Stage::load(&mut console, &vehicle, &plan.profile)?;
+        let mut stage =
+            Stage::load_patch(&mut console, &vehicle, &plan.profile, plan.options.patch())?;
         expect_patch(&run.record, directory.name(), console.patch_hash())?;
         let (recorder, from) =
             Recorder::resume(&directory.file(TRACE_FILE), plan.stop, path, kept)?;

@@ -15,6 +15,7 @@
 use super::{
     AlphaPath, FlightFault,
     channels::{AttitudeSample, StageChannels},
+    options::{OptionChannels, Options},
 };
 use crate::linkage::executive::Rate;
 use interface::{
@@ -51,6 +52,8 @@ pub struct FlightLaw<'v> {
     case: &'v FlightCase,
     channels: StageChannels,
     alpha: AlphaPath,
+    options: Options,
+    added: OptionChannels,
     slow: Rate,
     step: Tick,
     /// Start of the current trajectory step.
@@ -81,7 +84,7 @@ impl<'v> FlightLaw<'v> {
         vehicle: &'v Vehicle,
         case: &'v FlightCase,
         channels: StageChannels,
-        alpha: AlphaPath,
+        (alpha, (options, added)): (AlphaPath, (Options, OptionChannels)),
         (slow, step): (Rate, Tick),
     ) -> FlightLaw<'v> {
         let state = TrajectoryState::at_lift_off(vehicle);
@@ -90,6 +93,8 @@ impl<'v> FlightLaw<'v> {
             case,
             channels,
             alpha,
+            options,
+            added,
             slow,
             step,
             start: Tick::ZERO,
@@ -123,6 +128,11 @@ impl<'v> FlightLaw<'v> {
         pitch + self.state.range_angle_rad - flow.air_path_angle_rad
     }
 
+    /// α_y at lift-off, with ψ = 0.
+    pub fn initial_yaw_incidence_rad(&self) -> f64 {
+        trajectory::flow_at(&self.case.wind, &self.state).crosswind_angle_rad
+    }
+
     /// Computes updates n from samples n.
     pub fn frame(
         &mut self,
@@ -139,6 +149,13 @@ impl<'v> FlightLaw<'v> {
         let (flow, airframe) =
             trajectory::surroundings(self.vehicle, &self.case.wind, time_s, &state)?;
         self.set_slopes(&airframe, updates);
+        if let Some(channels) = self.added.moments {
+            let per_angle = airframe.moment_slope_nmprad / airframe.pitch_inertia_kgm2;
+            let angles = [attitude.incidence_rad, attitude.yaw_incidence_rad];
+            for (channel, angle) in channels.into_iter().zip(angles) {
+                updates.set_dac(channel, per_angle * angle);
+            }
+        }
         self.edges.merge(airframe.edges);
         Ok(FrameResult {
             sample: self.sample(time_s, state, &attitude, &flow, &airframe),
@@ -166,9 +183,9 @@ impl<'v> FlightLaw<'v> {
         };
         let wind = &self.case.wind;
         let step_s = self.step.secs();
-        let frame = (time_s, step_s);
+        let (frame, axes) = ((time_s, step_s), self.options.axes.into());
         let (next, edges) =
-            trajectory::advance(self.vehicle, wind, frame, &self.state, &sampled, 0.0)?;
+            trajectory::advance_in(axes, self.vehicle, wind, frame, &self.state, (&sampled, 0.0))?;
         self.next = next;
         self.edges.merge(edges);
         let command = self.vehicle.pitch_programme().at(time_s);
@@ -180,11 +197,19 @@ impl<'v> FlightLaw<'v> {
         let offset =
             |state: &TrajectoryState, flow: &Flow| state.range_angle_rad - flow.air_path_angle_rad;
         let offset_rad = offset(&self.state, &flow);
-        let next_offset_rad = offset(&self.next, &trajectory::flow_at(wind, &self.next));
+        let next_flow = trajectory::flow_at(wind, &self.next);
+        let next_offset_rad = offset(&self.next, &next_flow);
         let alpha_error = attitude.angle_rad[0] + offset_rad - attitude.incidence_rad;
         let redundant = self.alpha == AlphaPath::Redundant;
         let mend = if redundant { CORRECTION_GAIN * alpha_error / step_s } else { 0.0 };
 
+        if let Some([drift, mend]) = self.added.beta {
+            let turned = next_flow.crosswind_angle_rad - flow.crosswind_angle_rad;
+            let error =
+                attitude.angle_rad[1] + flow.crosswind_angle_rad - attitude.yaw_incidence_rad;
+            updates.set_dac(drift, turned / step_s);
+            updates.set_dac(mend, CORRECTION_GAIN * error / step_s);
+        }
         let dac = &self.channels.dac;
         let per_inertia = airframe.misalignment_moment_nm / airframe.pitch_inertia_kgm2;
         for (channel, value) in [

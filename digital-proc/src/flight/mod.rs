@@ -5,6 +5,7 @@
 
 pub(crate) mod channels;
 mod law;
+mod options;
 pub(crate) mod pacing;
 pub(crate) mod plan_record;
 mod timing;
@@ -12,6 +13,8 @@ pub(crate) mod trace;
 
 pub use channels::AttitudeSample;
 pub use law::FrameResult;
+pub(crate) use options::replace_block;
+pub use options::{AxesName, FunctionGeneration, Options};
 pub use timing::{Timing, TransferLog};
 
 use crate::{
@@ -69,6 +72,8 @@ pub struct FlightPlan {
     pub stop: Tick,
     /// How α reaches the rotational equations.
     pub alpha: AlphaPath,
+    /// What else is shared out in another way than shipped.
+    pub options: Options,
     /// The machine.
     pub profile: Profile,
 }
@@ -211,16 +216,21 @@ impl Stage {
             fast_frames: plan.slow.fast_frames(),
         })?;
         let channels = self.channels.clone();
-        let mut law =
-            FlightLaw::new(vehicle, &plan.case, channels, plan.alpha, (plan.slow, plan.step));
+        let options = (plan.options, plan.options.channels(console)?);
+        let ways = (plan.alpha, options);
+        let mut law = FlightLaw::new(vehicle, &plan.case, channels, ways, (plan.slow, plan.step));
         let mut monitor = FlightMonitor::new(vehicle);
         let from_ic = keeping.from.is_none();
         let from = match keeping.from {
             None => {
                 let incidence = law.initial_incidence_rad();
                 let roll_rad = plan.case.roll_drift.initial_rad;
-                let ics = [("alpha_int", incidence), ("phi", roll_rad)];
-                console.set_ics(ics.map(|(name, value)| (name.to_owned(), value)).into())?;
+                let mut ics = vec![("alpha_int", incidence), ("phi", roll_rad)];
+                if plan.options.beta == AlphaPath::Redundant {
+                    ics.push(("alpha_y", law.initial_yaw_incidence_rad()));
+                }
+                let ics = ics.into_iter().map(|(name, value)| (name.to_owned(), value));
+                console.set_ics(ics.collect())?;
                 preset(console, law.clone(), incidence, vehicle)?;
                 None
             }

@@ -5,7 +5,7 @@
 //! the script of the mode are in it, not the names of files that may have changed.
 //! Times are written with their units; a damaged record is refused with its line.
 
-use super::{AlphaPath, FlightPlan};
+use super::{AlphaPath, AxesName, FlightPlan, FunctionGeneration, Options};
 use crate::linkage::executive::Rate;
 use clap::ValueEnum;
 use desk::{
@@ -72,6 +72,15 @@ pub struct PlanRecord {
     pub stop: Tick,
     /// How α reaches the rotational equations.
     pub alpha: AlphaPath,
+    /// How the yaw incidence does.
+    #[serde(default = "held")]
+    pub beta: AlphaPath,
+    /// Axes of the translation.
+    #[serde(default)]
+    pub axes: AxesName,
+    /// Where the aerodynamic moments are formed.
+    #[serde(default)]
+    pub functions: FunctionGeneration,
     pub wind: WindName,
     #[serde(default)]
     pub wind_seed: Seed,
@@ -85,6 +94,11 @@ pub struct PlanRecord {
     pub mode: FlightScript,
     pub profile: Profile,
     pub vehicle: VehicleData,
+}
+
+/// Of a record older than the choice.
+fn held() -> AlphaPath {
+    Options::NONE.beta
 }
 
 /// A plan that cannot be flown.
@@ -152,6 +166,7 @@ impl PlanRecord {
             skew: self.skew,
             stop: self.stop,
             alpha: self.alpha,
+            options: Options { beta: self.beta, axes: self.axes, functions: self.functions },
             profile: self.profile.clone(),
         })
     }

@@ -377,8 +377,8 @@ impl Experiment for AxesOfTranslation {
             let caption =
                 "Lines: first order of the oscillating part. Markers: runs on the machine.";
             let id = |of: &str| format!("{of}-{}", path.replace([' ', '/'], "-"));
-            let figures = outcome.section("Figures").chart(&id("gamma-error"), caption, &errors);
-            figures.chart(&id("ratio"), "What the choice of axes is worth.", &worth);
+            let figures = outcome.section("Figures").chart(id("gamma-error"), caption, &errors);
+            figures.chart(id("ratio"), "What the choice of axes is worth.", &worth);
         }
         Ok(())
     }

@@ -15,13 +15,17 @@
 //! ends there; it is lost in roll where it has rolled so far, and goes on, as does a flight whose
 //! roll control has failed.
 //!
+//! Beside the machines stand *ways*: the redundant machine with an option of the flight, as `fly`
+//! has them, so that what the laboratory finds of figure 1 for β, of axes and of function
+//! generation is seen in flight.
+//!
 //! Long, since it brings machines and a law of its own, which no other experiment shares.
 
 use super::{identify, modal_fit::ModalFit, *};
 use crate::{
     flight::{
-        AlphaPath, FlightFault, FlightPlan, FrameResult, Observer, Stage, Timing,
-        channels::StageChannels, stage_patch,
+        AlphaPath, AxesName, FlightFault, FlightPlan, FrameResult, FunctionGeneration, Observer,
+        Options, Stage, Timing, channels::StageChannels, replace_block, stage_patch,
     },
     linkage::{console::Console, executive::Rate},
 };
@@ -128,6 +132,35 @@ impl Partition {
     }
 }
 
+/// A way in which the redundant machine shares out its work otherwise.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    name: &'static str,
+    options: Options,
+    /// Fast frames in T.
+    fast: u64,
+}
+
+const WAYS: [Way; 5] = [
+    Way { name: "as shipped", options: Options::NONE, fast: 5 },
+    Way {
+        name: "β redundant",
+        options: Options { beta: AlphaPath::Redundant, ..Options::NONE },
+        fast: 5,
+    },
+    Way { name: "H frame", options: Options { axes: AxesName::HFrame, ..Options::NONE }, fast: 5 },
+    Way {
+        name: "moments digital, fast frames",
+        options: Options { functions: FunctionGeneration::Digital, ..Options::NONE },
+        fast: 5,
+    },
+    Way {
+        name: "moments digital, slow frames",
+        options: Options { functions: FunctionGeneration::Digital, ..Options::NONE },
+        fast: 1,
+    },
+];
+
 /// Channels of the digital control: commands out, gyros in.
 const DIGITAL_BLOCKS: &str = r#"
 digital_u_pitch = { kind = "dac", channel = 21, max = 1.0 }
@@ -140,18 +173,6 @@ adc_gyro_r      = { kind = "adc", channel = 16, in = ["gyro_r.y"], max = 2.0 }
 adc_gyro_p      = { kind = "adc", channel = 17, in = ["gyro_p.y"], max = 5.0 }
 
 [integration]"#;
-
-/// The text with the definition of one block exchanged.
-fn replace_block(text: &str, name: &str, block: &str) -> String {
-    let lines: Vec<String> = text
-        .lines()
-        .map(|line| match line.split_once('=') {
-            Some((key, _)) if key.trim() == name => format!("{name} = {block}"),
-            _ => line.to_owned(),
-        })
-        .collect();
-    lines.join("\n") + "\n"
-}
 
 /// The further digital task of a machine, and what its flight comes to.
 struct Task {
@@ -225,6 +246,9 @@ impl Observer for Task {
             flown.lost_in_roll_s.get_or_insert(s.time_s);
         }
         flown.end_s = s.time_s;
+        flown.path_angle_rad = s.trajectory.path_angle_rad;
+        let apart = (result.attitude.yaw_incidence_rad - s.yaw_incidence_rad).abs();
+        flown.worst_yaw_incidence_rad = flown.worst_yaw_incidence_rad.max(apart);
         Ok(())
     }
 }
@@ -284,6 +308,10 @@ struct Flown {
     /// Whether the flight ended because θ was.
     lost: bool,
     end_s: f64,
+    /// γ at the end, rad.
+    path_angle_rad: f64,
+    /// Greatest distance of the α_y that the rotational equations have from the true one, rad.
+    worst_yaw_incidence_rad: f64,
 }
 
 impl Flown {
@@ -320,14 +348,11 @@ impl Flight {
         &self,
         console: &mut Console<'_>,
         (vehicle, case): (&Vehicle, &FlightCase),
-        partition: Partition,
+        (partition, way): (Partition, Way),
         frame: Tick,
         step_rad: f64,
     ) -> Result<Flown, FlightFault> {
-        let fast = match partition {
-            Partition::RedundantAlpha => 5,
-            _ => 1,
-        };
+        let fast = if partition == Partition::RedundantAlpha { way.fast } else { 1 };
         let slow = Rate::every(fast).unwrap_or(Rate::FAST);
         let fast_frame = slow
             .fast_period(frame)
@@ -343,9 +368,14 @@ impl Flight {
                 Partition::ConventionalAlpha => AlphaPath::Held,
                 _ => AlphaPath::Redundant,
             },
+            options: way.options,
             profile: Profile::ideal(),
         };
-        let mut stage = Stage::load_patch(console, vehicle, &plan.profile, partition.patch())?;
+        let patch = match partition {
+            Partition::RedundantAlpha => way.options.patch(),
+            _ => partition.patch(),
+        };
+        let mut stage = Stage::load_patch(console, vehicle, &plan.profile, patch)?;
         let theta_c = StageChannels::resolve(console)?.dac.theta_c;
         let mut task = Task {
             partition,
@@ -372,12 +402,12 @@ impl Flight {
         &self,
         bench: &mut Bench<'_, '_>,
         flight: (&Vehicle, &FlightCase),
-        machine: Partition,
+        (machine, way): (Partition, Way),
         frame: Tick,
     ) -> Result<Row, LabError> {
         let console = bench.console(&stage_patch().root);
-        let flown = self.fly(console, flight, machine, frame, 0.0)?;
-        let stepped = self.fly(console, flight, machine, frame, STEP_RAD)?;
+        let flown = self.fly(console, flight, (machine, way), frame, 0.0)?;
+        let stepped = self.fly(console, flight, (machine, way), frame, STEP_RAD)?;
         let frame_s = frame.secs();
         let from = (STEP_AT_S / frame_s).ceil() as usize + 1;
         let window = (WINDOW_S / frame_s).ceil() as usize;
@@ -429,7 +459,7 @@ impl Experiment for Flight {
         outcome.set("until", self.until.to_string());
         let cases = Partition::ALL.into_iter().flat_map(|m| self.frame.iter().map(move |f| (m, f)));
         let rows = bench.each(cases, |bench, (machine, frame)| {
-            self.run(bench, (&vehicle, &case), machine, *frame)
+            self.run(bench, (&vehicle, &case), (machine, WAYS[0]), *frame)
         })?;
         let columns = [
             Column::new("machine", "", |r: &Row| r.machine.name().into()),
@@ -490,6 +520,47 @@ impl Experiment for Flight {
         ] {
             outcome.section("Figures").chart(id, caption, &chart);
         }
+        self.ways(bench, (&vehicle, &case), outcome)
+    }
+}
+
+impl Flight {
+    /// The redundant machine with the options of a flight.
+    fn ways(
+        &self,
+        bench: &mut Bench<'_, '_>,
+        flight: (&Vehicle, &FlightCase),
+        outcome: &mut Outcome,
+    ) -> Result<(), Failure> {
+        let cases = WAYS.into_iter().flat_map(|way| self.frame.iter().map(move |f| (way, f)));
+        let rows = bench.each(cases, |bench, (way, frame)| {
+            let row = self.run(bench, flight, (Partition::RedundantAlpha, way), *frame)?;
+            Ok::<_, LabError>((way.name, row))
+        })?;
+        let columns = [
+            Column::new("way", "", |(name, _): &(&str, Row)| (*name).into()),
+            Column::new("frame", "ms", |(_, r)| (1e3 * r.frame_s).into()),
+            Column::new("flight", "", |(_, r)| r.flown.words().into()),
+            Column::of("zeta", "", 3, |(_, r)| r.root.map(damping_ratio).into()),
+            Column::new("greatest Q alpha", "kPa deg", |(_, r)| r.max_q_alpha_kpadeg().into()),
+            Column::of("greatest error of alpha_y", "deg", 3, |(_, r)| {
+                r.flown.worst_yaw_incidence_rad.to_degrees().into()
+            }),
+            Column::of("path angle at the end", "deg", 6, |(_, r)| {
+                r.flown.path_angle_rad.to_degrees().into()
+            }),
+        ];
+        let caption = "The machine with redundant α, its work shared out otherwise: yaw incidence by a redundant integrator too, translation in the H frame, aerodynamic moments formed on the digital side at sampled angles in place of slopes times the angle.";
+        outcome.section("Numbers").table("ways", caption, Table::of(&columns, &rows));
+        let series = WAYS.map(|way| {
+            let of = rows.iter().filter(|(name, _)| *name == way.name);
+            let points = of.map(|(_, r)| (1e3 * r.frame_s, r.root.map_or(f64::NAN, damping_ratio)));
+            Series::of(way.name, points).draw(Draw::LineAndMarkers)
+        });
+        let x = Axis::new("frame period", "ms").log();
+        let chart = LineChart::new("Options of a flight", x, damping_axis(), series.into());
+        let caption = "Damping of the pitch loop at 20 s. Moments formed at a sampled angle cost phase, hybrid function generation none.";
+        outcome.section("Figures").chart("ways", caption, &chart);
         Ok(())
     }
 }

@@ -276,6 +276,9 @@ impl DesignedGains {
     }
 }
 
+/// Longest vehicle offered, m.
+const LONGEST_M: f64 = 1e3;
+
 /// What fields must fulfil together.
 pub(crate) fn relations(f: &mut SheetFields<'_, '_>, d: &VehicleData) {
     let push = d.thrust.vacuum_thrust_n.iter().any(|&thrust| thrust > 0.0);
@@ -312,6 +315,17 @@ pub(crate) fn relations(f: &mut SheetFields<'_, '_>, d: &VehicleData) {
     f.require(two, "bending.freq_ratio", fault, "give two: modes 2 and 3 over the first");
 
     let (aero, length_m) = (&d.aero, d.geometry.length_m);
+    // The beam has stations from end to end of all that has mass.
+    let fault = format!("a vehicle of {length_m} m");
+    let short = length_m <= LONGEST_M;
+    f.require(short, "geometry.length", fault, "give at most 1000 m");
+    let grain = (d.mass.propellant_x_m, d.mass.propellant_length_m);
+    let mut rods = d.mass.components.iter().map(|c| (c.2, c.3)).chain([grain]);
+    let beyond = rods.find(|(x, rod)| x - 0.5 * rod < -length_m || x + 0.5 * rod > 2.0 * length_m);
+    if let Some((x, rod)) = beyond {
+        let fault = format!("{rod} m of mass about {x} m on a vehicle of {length_m} m");
+        f.require(false, "mass.components", fault, "keep within a length of the vehicle's ends");
+    }
     let fault = format!("a nose of {} m on a vehicle of {length_m} m", aero.nose_length_m);
     f.require(aero.nose_length_m <= length_m, "aero.nose_len", fault, "shorten the nose");
     for (i, mach) in aero.mach.iter().enumerate() {

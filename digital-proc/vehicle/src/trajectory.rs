@@ -238,27 +238,92 @@ pub fn derivative(
     ])
 }
 
-/// One Runge–Kutta frame of the trajectory from `time_s` over `frame_s`; returns the new state
-/// and the table edges met in the stages. The attitude is that of the frame start, held, but for
-/// θ, which is carried into the stages along `pitch_rate_radps` (0 holds it too).
+/// Axes in which the translation is integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TranslationAxes {
+    /// V and γ.
+    FlightPath,
+    /// Howe's H frame (x horizontal along the track, z down): r V_h and the vertical velocity.
+    H,
+}
+
+impl TranslationAxes {
+    /// The state in these axes.
+    fn of_state(self, earth_radius_m: f64, state: &TrajectoryState) -> [f64; STATE_LEN] {
+        let mut array = state.to_array();
+        if self == TranslationAxes::H {
+            let (sine, cosine) = libm::sincos(state.path_angle_rad);
+            array[0] = (earth_radius_m + state.altitude_m) * state.speed_mps * cosine;
+            array[1] = state.speed_mps * sine;
+        }
+        array
+    }
+
+    fn to_state(self, earth_radius_m: f64, array: [f64; STATE_LEN]) -> TrajectoryState {
+        let mut state = TrajectoryState::from_array(array);
+        if self == TranslationAxes::H {
+            let level_mps = array[0] / (earth_radius_m + state.altitude_m);
+            state.speed_mps = libm::hypot(level_mps, array[1]);
+            state.path_angle_rad = libm::atan2(array[1], level_mps);
+        }
+        state
+    }
+
+    /// `[V̇, γ̇, …]` in these axes: d(r V_h)/dt = ṙ V_h + r V̇_h, V_h = V cos γ, V_v = V sin γ.
+    fn of_rates(
+        self,
+        earth_radius_m: f64,
+        state: &TrajectoryState,
+        mut rates: [f64; STATE_LEN],
+    ) -> [f64; STATE_LEN] {
+        if self == TranslationAxes::H {
+            let (sine, cosine) = libm::sincos(state.path_angle_rad);
+            let (v, [v_rate, turn, climb, ..]) = (state.speed_mps, rates);
+            let level_rate = v_rate * cosine - v * sine * turn;
+            rates[0] = climb * v * cosine + (earth_radius_m + state.altitude_m) * level_rate;
+            rates[1] = v_rate * sine + v * cosine * turn;
+        }
+        rates
+    }
+}
+
+/// One Runge–Kutta frame of the trajectory, as [`advance_in`], in flight-path axes.
 pub fn advance(
     vehicle: &Vehicle,
     wind: &Wind,
-    (time_s, frame_s): (f64, f64),
+    frame: (f64, f64),
     state: &TrajectoryState,
     sampled: &Attitude,
     pitch_rate_radps: f64,
 ) -> Result<(TrajectoryState, EdgeRecord), FlightError> {
+    let axes = TranslationAxes::FlightPath;
+    advance_in(axes, vehicle, wind, frame, state, (sampled, pitch_rate_radps))
+}
+
+/// One Runge–Kutta frame of the trajectory from `time_s` over `frame_s`; returns the new state
+/// and the table edges met in the stages. The attitude is that of the frame start, held, but for
+/// θ, which is carried into the stages along `pitch_rate_radps` (0 holds it too).
+pub fn advance_in(
+    axes: TranslationAxes,
+    vehicle: &Vehicle,
+    wind: &Wind,
+    (time_s, frame_s): (f64, f64),
+    state: &TrajectoryState,
+    (sampled, pitch_rate_radps): (&Attitude, f64),
+) -> Result<(TrajectoryState, EdgeRecord), FlightError> {
     let mut edges = EdgeRecord::NONE;
-    let next = rk4::step(time_s, &state.to_array(), frame_s, |stage_s, y| {
-        let stage = TrajectoryState::from_array(*y);
+    let radius_m = vehicle.data().site.earth_radius_m;
+    let start = axes.of_state(radius_m, state);
+    let next = rk4::step(time_s, &start, frame_s, |stage_s, y| {
+        let stage = axes.to_state(radius_m, *y);
         let (flow, airframe) = surroundings(vehicle, wind, stage_s, &stage)?;
         edges.merge(airframe.edges);
         let pitch_rad = sampled.pitch_rad + pitch_rate_radps * (stage_s - time_s);
         let attitude = Attitude { pitch_rad, ..*sampled };
-        derivative(vehicle, stage_s, &stage, (&flow, &airframe), &attitude)
+        let rates = derivative(vehicle, stage_s, &stage, (&flow, &airframe), &attitude)?;
+        Ok(axes.of_rates(radius_m, &stage, rates))
     })?;
-    Ok((TrajectoryState::from_array(next), edges))
+    Ok((axes.to_state(radius_m, next), edges))
 }
 
 #[cfg(test)]
@@ -311,6 +376,33 @@ mod tests {
         for (now, then) in normal(&state).into_iter().zip(n0) {
             assert!((now - then).abs() < 1e-8, "{now} {then}");
         }
+    }
+
+    /// With a fine step both axes are one flight; at a coarse one they differ by what RK4 leaves.
+    #[test]
+    fn the_h_frame_is_the_same_flight() {
+        let vehicle = Vehicle::shipped().unwrap();
+        let fly = |axes: TranslationAxes, step_s: f64| {
+            let mut state = TrajectoryState::at_lift_off(&vehicle);
+            for n in 0..(30.0 / step_s).round() as usize {
+                let t = n as f64 * step_s;
+                let pitch = vehicle.pitch_programme().at(t).pitch_rad;
+                let sampled = Attitude::in_plane(pitch);
+                state =
+                    advance_in(axes, &vehicle, &Wind::Calm, (t, step_s), &state, (&sampled, 0.0))
+                        .unwrap()
+                        .0;
+            }
+            state
+        };
+        let apart = |step_s: f64| {
+            let [a, b] = [TranslationAxes::FlightPath, TranslationAxes::H].map(|x| fly(x, step_s));
+            ((a.path_angle_rad - b.path_angle_rad).abs(), (a.altitude_m - b.altitude_m).abs())
+        };
+        let (fine, coarse) = (apart(0.002), apart(0.1));
+        assert!(fine.0 < 1e-9 && fine.1 < 1e-4, "{fine:?}");
+        assert!(coarse.0 < 1e-4 && coarse.1 < 0.5, "{coarse:?}");
+        assert!(coarse.1 > 100.0 * fine.1, "{fine:?} {coarse:?}");
     }
 
     #[test]

@@ -171,7 +171,7 @@ fn density_kgpm(x: f64) -> f64 {
 fn unit_loads(beam: &Elements) -> [DVector<f64>; 4] {
     let zero = DVector::zeros(2 * beam.nodes_m.len());
     let mut loads = [zero.clone(), zero.clone(), zero.clone(), zero];
-    let qs = 95_327.0 * 0.785_398_163_4;
+    let qs = 95_327.0 * std::f64::consts::FRAC_PI_4;
     // Between Mach 2.0 and 2.5 at 2.238.
     let part = 0.238 / 0.5;
     let (body, body_x) = (3.20 + part * 0.10, 16.6 - part * 0.2);

@@ -59,14 +59,14 @@ fn of<'s>(survey: &'s Survey, name: &'s str) -> impl Iterator<Item = &'s Station
 }
 
 fn stations(survey: &Survey, vehicle: &Vehicle, nominal_m: f64, out: &mut Outcome) {
-    for mode in 0..MODES {
+    for (mode, words) in MODE_NAMES.into_iter().enumerate() {
         let series = points(survey).into_iter().map(|name| {
             let curve =
                 of(survey, name).map(|s| (s.station_m, s.damping[mode].unwrap_or(f64::NAN)));
             Series::of(name, curve)
         });
         let chart = LineChart::new(
-            format!("Damping of the {} bending mode", MODE_NAMES[mode]),
+            format!("Damping of the {words} bending mode"),
             Axis::new("station of the rate gyro from the nozzle exit", "m"),
             Axis::new("least damping ratio ζ", ""),
             series.collect(),
@@ -76,7 +76,7 @@ fn stations(survey: &Survey, vehicle: &Vehicle, nominal_m: f64, out: &mut Outcom
             vehicle.data().bending.damping_ratio
         );
         out.section("Damping against the station").chart(
-            &format!("damping-{}", MODE_NAMES[mode]),
+            format!("damping-{words}"),
             caption.as_str(),
             &chart.limit(LEAST_DAMPING, "criterion of the design").limit(0.0, "stability"),
         );

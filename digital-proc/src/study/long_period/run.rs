@@ -9,7 +9,7 @@
 use super::results::{Acceptance, FlightWind, Flown, LongPeriodResults, ModeResult};
 use crate::{
     flight::{
-        AlphaPath, FlightFault, FlightPlan, FrameResult, Stage, Timing, channels::Sampled,
+        AlphaPath, FlightFault, FlightPlan, FrameResult, Options, Stage, Timing, channels::Sampled,
         stage_patch,
     },
     linkage::{
@@ -287,6 +287,7 @@ impl<'a> Bench<'a> {
             skew: self.plan.profile.skew(),
             stop: self.stop,
             alpha: self.plan.alpha,
+            options: Options::NONE,
             profile: self.plan.profile.clone(),
         };
         let shown = keep && is_shown(vehicle, case)?;

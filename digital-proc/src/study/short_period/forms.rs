@@ -12,7 +12,10 @@ use super::{
     plan::Plan,
     point::FrozenPoint,
 };
-use crate::linkage::console::{Console, ConsoleFault};
+use crate::{
+    flight::replace_block,
+    linkage::console::{Console, ConsoleFault},
+};
 use desk::{
     outcome::Outcome,
     report::{
@@ -49,26 +52,22 @@ enum Form {
 impl Form {
     const ALL: [Form; 2] = [Form::Drift, Form::Alpha];
 
+    /// The shipped pitch loop; in the α form with the blocks of its flight path exchanged.
     fn patch(self) -> PatchBundle {
-        let drift = Patches::shipped().pitch;
-        let exchanged = |(name, text): (String, String)| match name.as_str() {
-            "pitch-loop.toml" => (
-                "pitch-loop-alpha.toml".to_owned(),
-                include_str!("../../../../patch-files/pitch-loop-alpha.toml").to_owned(),
-            ),
-            "sub/stage-plane.toml" => (
-                "sub/stage-plane-alpha.toml".to_owned(),
-                include_str!("../../../../patch-files/sub/stage-plane-alpha.toml").to_owned(),
-            ),
-            _ => (name, text),
-        };
-        match self {
-            Form::Drift => drift,
-            Form::Alpha => PatchBundle {
-                root: "pitch-loop-alpha.toml".to_owned(),
-                files: drift.files.into_iter().map(exchanged).collect(),
-            },
+        let mut bundle = Patches::shipped().pitch;
+        if self == Form::Alpha {
+            ROOT.clone_into(&mut bundle.root);
+            for (name, text) in &mut bundle.files {
+                match name.as_str() {
+                    "pitch-loop.toml" => (*name, *text) = (ROOT.to_owned(), alpha_loop(text)),
+                    "sub/stage-plane.toml" => {
+                        (*name, *text) = (PLANE.to_owned(), alpha_plane(text))
+                    }
+                    _ => {}
+                }
+            }
         }
+        bundle
     }
 
     fn values(self, settings: &Settings) -> Vec<(&'static str, f64)> {
@@ -86,6 +85,61 @@ impl Form {
         }
     }
 }
+
+/// The α form's files.
+const ROOT: &str = "pitch-loop-alpha.toml";
+const PLANE: &str = "sub/stage-plane-alpha.toml";
+
+/// What stands at their heads in place of what is said of the drift form.
+const ROOT_HEAD: &str = "\
+# Short-period pitch loop in the α form: pitch-loop.toml with the angle of attack in place of the
+# drift rate as the state of the flight path (sub/stage-plane-alpha.toml).
+#
+# What to see: the same responses as in the drift form, as long as the gust is held
+# (`digital-proc short-period forms` sets both to every trajectory point and compares them).
+# Coefficients, converters and channels are those of pitch-loop.toml, but for coefficient unit 3,
+# which holds V, and the initial condition of plane.alpha, which is the gust.
+";
+const PLANE_HEAD: &str = "\
+# One plane of the stage as sub/stage-plane.toml has it, in the α form: the angle of attack is
+# integrated and the drift rate follows from it. It is the short-period model for whom the angle
+# of attack is of interest; the drift form (20) to (22) has the drift rate as its state.
+#
+#   alpha' = theta' + z''/V           z' = V (alpha - theta - alpha_w)
+#
+# The two are one as long as the gust is held: alpha starts at it (`ic`), and a gust that changes
+# later would have to enter by its rate, which this form leaves out. Where V tends to zero the
+# angle of attack has no meaning and this form no use.
+#
+";
+
+/// A loop in the α form.
+fn alpha_loop(text: &str) -> String {
+    let from = text.find("title =").unwrap_or(0);
+    let text = format!("{ROOT_HEAD}{}", &text[from..]);
+    text.replacen("short period", "short period, alpha form", 1)
+        .replace("sub/stage-plane.toml\"", &format!("{PLANE}\""))
+}
+
+/// A plane in the α form.
+fn alpha_plane(text: &str) -> String {
+    let from = text.find("# Ports:").unwrap_or(0);
+    let text = format!("{PLANE_HEAD}{}", &text[from..])
+        .replace(
+            "drift_angle     3  1/V                  rad per m/s",
+            "drift_rate      3  V                    m/s per rad",
+        )
+        .replace("stage, trajectory frozen", "stage in the alpha form, trajectory frozen");
+    let left_out = |line: &&str| !line.starts_with("drift_rate ");
+    let mut text = text.lines().filter(left_out).collect::<Vec<_>>().join("\n");
+    for (name, block) in [("drift_angle", DRIFT), ("alpha", ALPHA)] {
+        text = replace_block(&text, name, block);
+    }
+    text.replace("drift_angle = ", "drift_rate = ")
+}
+
+const DRIFT: &str = r#"{ kind = "dcu", channel = 3, range = 1250, in = ["alpha", "-theta", "-gust"], max = 200.0, note = "z' = V (alpha - theta - alpha_w), m/s" }"#;
+const ALPHA: &str = r#"{ kind = "integrator", in = ["alpha_rate"], ic = 0.0, max = 1.5, note = "incidence, rad; starts at the gust" }"#;
 
 /// θ, α and ż at the samples.
 type Responses = [Vec<f64>; 3];
@@ -295,20 +349,33 @@ fn figures(shown: &Apart, sample_s: f64, out: &mut Outcome) {
 mod tests {
     use super::*;
 
-    /// The α form is a file of its own, and yet the same plane: but for its comments, title and the
-    /// blocks of the flight path it is the drift form line by line.
+    /// The α form as shipped is the drift form as shipped with its flight path exchanged.
     #[test]
-    fn the_two_planes_differ_in_their_flight_path_alone() {
-        let lines = |form: Form| -> Vec<String> {
-            let files = form.patch().files;
-            let plane = files.iter().find(|(name, _)| name.contains("stage-plane")).unwrap();
-            let own = |line: &&str| {
-                let key = line.split('=').next().unwrap_or_default().trim();
-                !line.starts_with('#')
-                    && !["title", "drift_rate", "drift_angle", "alpha"].contains(&key)
-            };
-            plane.1.lines().filter(own).map(str::to_owned).collect()
-        };
-        assert_eq!(lines(Form::Drift), lines(Form::Alpha));
+    fn the_shipped_alpha_form_is_the_drift_form_with_its_flight_path_exchanged() {
+        for (name, text) in Form::Alpha.patch().files {
+            if [ROOT, PLANE].contains(&name.as_str()) {
+                let path = format!("{}/../patch-files/{name}", env!("CARGO_MANIFEST_DIR"));
+                if std::env::var_os("GOLDEN").is_some_and(|v| v == "write") {
+                    std::fs::write(&path, &text).unwrap();
+                }
+                let shipped = std::fs::read_to_string(&path).unwrap();
+                let how = "GOLDEN=write cargo test --release -p digital-proc --lib forms";
+                assert!(shipped == text, "{name} is not that of the drift form; `{how}` writes it");
+            }
+        }
+    }
+
+    /// What is exchanged is there, and nothing of the drift form is left.
+    #[test]
+    fn the_alpha_form_integrates_alpha_and_not_the_drift() {
+        let text = alpha_plane(&Patches::shipped().pitch.files[1].1);
+        for (line, times) in [
+            ("alpha = { kind = \"integrator\"", 1),
+            ("drift_rate = { kind = \"dcu\", channel = 3", 1),
+            ("drift_angle", 0),
+            ("in = [\"drift_acceleration\"], ic", 0),
+        ] {
+            assert_eq!(text.matches(line).count(), times, "{line}");
+        }
     }
 }

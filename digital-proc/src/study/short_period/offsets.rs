@@ -3,7 +3,7 @@
 //! An offset in attitude and one in rate correspond where the loop first asks as much of the tips
 //! for both: the rate is the attitude over the loop's lead. Each offset stands alone and all
 //! together, the tips shared, without disturbances, at every point where there are tips; beside
-//! each run stands the second formulation ([`reference`]).
+//! each run stands the second formulation ([`mod@reference`]).
 
 use super::{
     coefficients::{Disturbance, Offsets, Settings},

@@ -139,11 +139,14 @@ fn air_loads_have_the_slope_and_the_moment_of_the_tables() {
 }
 
 #[test]
-fn a_nose_that_carries_more_than_the_body_is_refused() {
+fn what_makes_no_beam_is_refused() {
     let text = crate::SHIPPED_TEXT.replace("CN_nose  = 2.0", "CN_nose  = 3.0");
     let faults = Vehicle::from_toml("user.toml", &text).unwrap_err().0;
     assert_eq!(faults.len(), 1, "{faults:#?}");
     assert!(faults[0].fault.contains("Mach 0"), "{}", faults[0]);
+    // A beam of 1e12 m would take more stations than there is memory.
+    let text = crate::SHIPPED_TEXT.replace("4900.0, 14.2, 6.0", "4900.0, 1e12, 6.0");
+    assert_eq!(Vehicle::from_toml("user.toml", &text).unwrap_err().0.len(), 1);
     let text = crate::SHIPPED_TEXT.replace("freq_ratio = [2.757, 5.404]", "freq_ratio = [2.757]");
     assert!(!Vehicle::from_toml("user.toml", &text).unwrap_err().0.is_empty());
 }
