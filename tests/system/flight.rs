@@ -31,8 +31,8 @@ fn the_normal_flight_comes_out_as_designed() {
         assert!(directory.join(file).is_file(), "{file} is missing");
     }
     let page = assert_self_contained(&directory.join("report.html"));
-    // Eleven curves of at most 800 points of at most 10 bytes, and 70 kB for the rest.
-    assert!(page.len() < 11 * 800 * 10 + 70_000, "{} bytes", page.len());
+    // 23 curves of at most 800 points of at most 10 bytes, and 70 kB for the rest.
+    assert!(page.len() < 23 * 800 * 10 + 70_000, "{} bytes", page.len());
     bench.assert_clean();
 }
 

@@ -20,8 +20,8 @@ use std::path::Path;
 /// Check a patch: all its faults at once, what it is made of, and whether it starts where its
 /// `[expect]` says.
 ///
-///     analog-proc check patch-files/van-der-pol.toml
-///     analog-proc check patch-files/van-der-pol.toml --values --set mu=5
+///   analog-proc check patch-files/van-der-pol.toml
+///   analog-proc check patch-files/van-der-pol.toml --values --set mu=5
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Check {

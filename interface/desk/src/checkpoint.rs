@@ -79,10 +79,10 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, RunDirError> {
 fn body<'b>(bytes: &'b [u8], build: &[u8; DIGEST]) -> Result<&'b [u8], &'static str> {
     let cut_off = "is cut off: the run cannot go on from it; start it anew";
     let Some(rest) = bytes.strip_prefix(MARK) else {
-        return Err(if bytes.starts_with(NAME) {
-            "is a checkpoint of another format; go on with the build that began the run, or start it anew"
-        } else if MARK.starts_with(bytes) {
+        return Err(if MARK.starts_with(bytes) {
             cut_off
+        } else if bytes.starts_with(NAME) {
+            "is a checkpoint of another format; go on with the build that began the run, or start it anew"
         } else {
             "is no checkpoint"
         });
