@@ -37,7 +37,8 @@ pub struct CaseStudy {
     /// Leave out the sensitivity tables, which no claim needs
     #[arg(long)]
     no_sensitivity: bool,
-    /// Leave out the catalogue of failures, which no claim needs
+    /// Leave out the catalogue of failures and the tankage: most of all flights, and no claim
+    /// needs them
     #[arg(long)]
     no_catalogue: bool,
     #[command(flatten)]

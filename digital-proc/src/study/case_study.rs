@@ -41,7 +41,8 @@ pub struct CasePlan {
     pub short: Plan,
     /// The flights; their profile is that of the whole session.
     pub long: LongPeriodPlan,
-    /// The catalogue, if it is asked for; no claim needs it.
+    /// The catalogue, and the tankage with it, if they are asked for: most of all flights, and no
+    /// claim needs them.
     pub catalogue: Option<CataloguePlan>,
     /// Dispersions of the pitch loop, if they are asked for; no claim needs them.
     pub dispersions: Option<Dispersions>,
@@ -55,8 +56,9 @@ impl CasePlan {
     }
 
     fn flights(&self) -> usize {
-        let catalogue = self.catalogue.as_ref().map_or(0, CataloguePlan::flights);
-        self.long.flights() + tankage::flights(self.long.modes.len()) + catalogue
+        let tankage = tankage::flights(self.long.modes.len());
+        let catalogue = self.catalogue.as_ref().map_or(0, |plan| plan.flights() + tankage);
+        self.long.flights() + catalogue
     }
 
     /// What is run on the ideal machine too, unless this is it: the normal condition and the modes'
@@ -85,10 +87,8 @@ pub struct CaseResults {
     pub short: Results,
     /// Long period.
     pub long: LongPeriodResults,
-    /// Tankage.
-    pub tankage: Tankage,
-    /// The catalogue of failures.
-    pub catalogue: Option<Catalogue>,
+    /// Tankage and the catalogue of failures.
+    pub catalogue: Option<(Tankage, Catalogue)>,
     /// Sensitivities, point by point.
     pub sensitivity: Vec<PointSensitivity>,
     /// What of them was run on the ideal machine too, unless this is it.
@@ -117,11 +117,14 @@ pub fn run(
     let stage = (plan.long.patch.root.clone(), console.patch_hash().to_owned());
     let patches = short.patches.iter().cloned().chain([stage]).collect();
     let done = done + plan.long.flights();
-    let tankage = tankage::run(console, vehicle, &plan.long, |flights| progress(done + flights))?;
-    let done = done + tankage::flights(plan.long.modes.len());
-    let flown = |flights| progress(done + flights);
     let catalogue = match &plan.catalogue {
-        Some(wanted) => Some(catalogue::run(console, vehicle, &plan.long, wanted, flown)?),
+        Some(wanted) => {
+            let flights = |flights| progress(done + flights);
+            let tankage = tankage::run(console, vehicle, &plan.long, flights)?;
+            let done = done + tankage::flights(plan.long.modes.len());
+            let flights = |flights| progress(done + flights);
+            Some((tankage, catalogue::run(console, vehicle, &plan.long, wanted, flights)?))
+        }
         None => None,
     };
     let done = plan.short.cases.len() + plan.flights();
@@ -145,7 +148,7 @@ pub fn run(
         }
         None => None,
     };
-    Ok(CaseResults { short, long, tankage, catalogue, sensitivity, ideal, patches })
+    Ok(CaseResults { short, long, catalogue, sensitivity, ideal, patches })
 }
 
 fn sensitivity_runs(plan: &CasePlan) -> usize {
@@ -173,8 +176,8 @@ impl CaseResults {
         ));
         short_period::paper::fill(&self.short, &mut out);
         long_period::outcome::fill(&self.long, plan.long.step, &mut out);
-        self.tankage.fill(&mut out);
-        if let Some(catalogue) = &self.catalogue {
+        if let Some((tankage, catalogue)) = &self.catalogue {
+            tankage.fill(&mut out);
             catalogue.fill(&mut out);
         }
         if let Some(dispersions) = &plan.dispersions {
