@@ -7,6 +7,7 @@ use digital_proc::linkage::{
     launch::{AnalogEntry, LinkChoice, Started},
 };
 use interface::control::PatchBundle;
+use serde_json::Value;
 use std::{
     path::{Path, PathBuf},
     process::{Child, Command, Output, Stdio},
@@ -273,4 +274,26 @@ pub fn signal(pid: u32, signal: rustix::process::Signal) {
     let pid = rustix::process::Pid::from_raw(pid as i32).unwrap();
     // The target may have ended by itself in this very moment.
     let _ = rustix::process::kill_process(pid, signal);
+}
+
+/// What a command says as JSON; every check that it names in `checks` holds, and there is no other.
+pub fn ask(top: &BenchTop, args: &str, checks: &[&str]) -> Value {
+    let mut command = top.command(DIGITAL, &args.split_whitespace().collect::<Vec<_>>());
+    command.args(["--json", "--link", "memory", "--out"]).arg(top.runs());
+    let json: Value = serde_json::from_slice(&expect(&mut command, 0).stdout).unwrap();
+    let claims = json["claims"].as_array().unwrap();
+    let ids: Vec<&str> = claims.iter().map(|c| c["id"].as_str().unwrap()).collect();
+    assert_eq!(ids, checks, "{args}");
+    assert!(claims.iter().all(|c| c["verdict"] == "holds"), "{claims:?}");
+    json
+}
+
+/// The rows of one of its tables.
+pub fn rows<'j>(json: &'j Value, table: &str) -> &'j [Value] {
+    json["tables"][table].as_array().unwrap()
+}
+
+/// A number of such a row.
+pub fn number(row: &Value, key: &str) -> f64 {
+    row[key].as_f64().unwrap_or_else(|| panic!("{key} of {row}"))
 }

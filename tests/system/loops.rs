@@ -1,28 +1,8 @@
 //! What stands beside the short-period study: gyro location and bending filter, the two forms of
 //! the model, offsets in attitude and rate.
 
-use crate::bench_top::{BenchTop, DIGITAL, expect, stderr};
+use crate::bench_top::{BenchTop, DIGITAL, ask, expect, number, rows, stderr};
 use serde_json::Value;
-
-/// What a command says as JSON; every check that it names holds.
-fn ask(top: &BenchTop, args: &str, checks: &[&str]) -> Value {
-    let mut command = top.command(DIGITAL, &args.split(' ').collect::<Vec<_>>());
-    command.args(["--json", "--link", "memory", "--out"]).arg(top.runs());
-    let json: Value = serde_json::from_slice(&expect(&mut command, 0).stdout).unwrap();
-    let claims = json["claims"].as_array().unwrap();
-    let ids: Vec<&str> = claims.iter().map(|c| c["id"].as_str().unwrap()).collect();
-    assert_eq!(ids, checks, "{args}");
-    assert!(claims.iter().all(|c| c["verdict"] == "holds"), "{claims:?}");
-    json
-}
-
-fn rows<'j>(json: &'j Value, table: &str) -> &'j [Value] {
-    json["tables"][table].as_array().unwrap()
-}
-
-fn number(row: &Value, key: &str) -> f64 {
-    row[key].as_f64().unwrap_or_else(|| panic!("{key} of {row}"))
-}
 
 #[test]
 fn the_gyro_stands_where_no_mode_is_driven_and_the_filter_gains_margin_for_phase() {

@@ -3,29 +3,13 @@
 //! Most runs go over the memory link, which gives the same numbers as two processes to the last
 //! bit. What an experiment claims it checks itself; here stands that it does, and what is more.
 
-use crate::bench_top::{BenchTop, DIGITAL, expect};
+use crate::bench_top::{BenchTop, DIGITAL, ask, expect, number, rows};
 use serde_json::Value;
 use std::f64::consts::TAU;
 
 /// What `sampling` says as JSON; every check that it names in `checks` holds, and there is no other.
 fn measure(top: &BenchTop, args: &str, checks: &[&str]) -> Value {
-    let mut command = top.command(DIGITAL, &["sampling"]);
-    command.args(args.split_whitespace());
-    command.args(["--json", "--link", "memory", "--out"]).arg(top.runs());
-    let json: Value = serde_json::from_slice(&expect(&mut command, 0).stdout).unwrap();
-    let claims = json["claims"].as_array().unwrap();
-    let ids: Vec<&str> = claims.iter().map(|c| c["id"].as_str().unwrap()).collect();
-    assert_eq!(ids, checks, "{args}");
-    assert!(claims.iter().all(|c| c["verdict"] == "holds"), "{claims:?}");
-    json
-}
-
-fn rows<'j>(json: &'j Value, table: &str) -> &'j [Value] {
-    json["tables"][table].as_array().unwrap()
-}
-
-fn number(row: &Value, key: &str) -> f64 {
-    row[key].as_f64().unwrap_or_else(|| panic!("{key} of {row}"))
+    ask(top, &format!("sampling {args}"), checks)
 }
 
 /// Every experiment at its full settings agrees with its theory.
