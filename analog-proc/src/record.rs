@@ -58,6 +58,8 @@ struct ArrowFile {
 pub struct Recorder {
     path: PathBuf,
     sink: Sink,
+    /// The file once more from its first checkpoint on, which keeps others from going on in it.
+    held: Option<File>,
 }
 
 /// Where a record stands at a checkpoint: its file, and the columns of the rows that are not in it
@@ -92,7 +94,7 @@ impl Recorder {
             writer.write_record(header).map_err(|e| fault(e.to_string()))?;
             Sink::Csv(Box::new(writer))
         };
-        Ok(Recorder { path: path.to_owned(), sink })
+        Ok(Recorder { path: path.to_owned(), sink, held: None })
     }
 
     /// Where the record, in a file, stands; all rows are then on the disk or in the state.
@@ -105,8 +107,12 @@ impl Recorder {
             }
             Sink::Arrow(file) => file.columns.clone(),
         };
-        let file = File::open(&self.path).map_err(failed)?;
-        Ok(RecordState { seam: Seam::at_end(&file, &self.path)?, columns })
+        let file = match self.held.take() {
+            Some(file) => file,
+            None => File::open(&self.path).map_err(failed)?,
+        };
+        let seam = Seam::at_end(self.held.insert(file), &self.path)?;
+        Ok(RecordState { seam, columns })
     }
 
     /// Goes on with a record where it stood.
@@ -115,13 +121,13 @@ impl Recorder {
         names: impl Iterator<Item = &'n str>,
         RecordState { seam, columns }: RecordState,
     ) -> Result<Recorder, RunDirError> {
+        let failed = |cause| RunDirError::Write { path: path.to_owned(), cause };
         let file = seam.reopen(path)?;
+        let held = Some(file.try_clone().map_err(failed)?);
         let sink = if is_arrow(path) {
             let header = std::iter::once("time").chain(names);
-            let mut sink = ArrowFile::begun(file, header).map_err(|e| RunDirError::Write {
-                path: path.to_owned(),
-                cause: std::io::Error::other(e),
-            })?;
+            let mut sink =
+                ArrowFile::begun(file, header).map_err(|e| failed(std::io::Error::other(e)))?;
             // The file has its head already.
             sink.encoder.get_mut().clear();
             sink.columns = columns;
@@ -129,7 +135,7 @@ impl Recorder {
         } else {
             Sink::Csv(Box::new(csv::Writer::from_writer(Box::new(file))))
         };
-        Ok(Recorder { path: path.to_owned(), sink })
+        Ok(Recorder { path: path.to_owned(), sink, held })
     }
 
     /// Adds one row: time in s, values in problem units.

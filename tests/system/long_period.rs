@@ -83,7 +83,7 @@ fn the_claims_hold_and_the_loads_are_the_references() {
         ("L1", Verdict::Holds),
         ("L2", Verdict::InPart),
         ("L2b", Verdict::InPart),
-        ("L3", Verdict::Holds),
+        ("L3", Verdict::InPart),
     ];
     for (id, expected) in expected {
         assert_eq!(verdict(&results, id), expected, "{id}");

@@ -38,7 +38,8 @@ impl GyroLocation {
             // The candidates themselves: there the machine's own linear model stands beside.
             stations.extend(&vehicle.data().bending.alternative_gyro_x_m);
         }
-        if let Some(bad) = stations.iter().find(|s| vehicle.gyro_slope_at_station(**s).is_none()) {
+        let known = |s: f64| s.is_finite() && vehicle.gyro_slope_at_station(s).is_some();
+        if let Some(bad) = stations.iter().find(|s| !known(**s)) {
             return Err(Failure::input(format!(
                 "--stations {bad}: the bending mode is known from {first} to {last} m"
             )));

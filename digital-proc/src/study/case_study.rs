@@ -208,10 +208,12 @@ impl CaseResults {
 
 /// The paper: the reduced schedule "has to be reevaluated again by reverting to the short period
 /// analysis". What that finds belongs beside its claim.
-fn re_evaluated(claims: &mut [Claim], found: Option<String>) {
+fn re_evaluated(claims: &mut [Claim], found: Option<(bool, String)>) {
     let claim = claims.iter_mut().find(|c| c.id == "L3");
-    if let (Some(claim), Some(found)) = (claim, found) {
-        claim.verdict = claim.verdict.in_part_unless(false);
+    if let (Some(claim), Some((meets, found))) = (claim, found) {
+        if meets && claim.verdict == Verdict::InPart {
+            claim.verdict = Verdict::Holds;
+        }
         claim.remark = Some(format!("re-evaluated with the short-period models, {found}"));
     }
 }

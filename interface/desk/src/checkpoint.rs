@@ -10,7 +10,7 @@ use crate::{run_dir::RunDirError, user_file};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use sha2::{Digest, Sha256};
 use std::{
-    fs::{self, File, OpenOptions},
+    fs::{self, File, OpenOptions, TryLockError},
     io::{self, Read, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
     sync::OnceLock,
@@ -121,6 +121,7 @@ impl Seam {
     /// The end of `file`, by then on the disk; `path` is its name.
     pub fn at_end(file: &File, path: &Path) -> Result<Seam, RunDirError> {
         let failed = |cause| RunDirError::Write { path: path.to_owned(), cause };
+        hold(file, path)?;
         file.sync_data().map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
         let tail = tail(&File::open(path).map_err(failed)?, length).map_err(failed)?;
@@ -131,6 +132,7 @@ impl Seam {
     pub fn reopen(&self, path: &Path) -> Result<File, RunDirError> {
         let failed = |cause| RunDirError::Write { path: path.to_owned(), cause };
         let file = OpenOptions::new().read(true).write(true).open(path).map_err(failed)?;
+        hold(&file, path)?;
         let is_same = file.metadata().map_err(failed)?.len() >= self.length
             && tail(&file, self.length).map_err(failed)? == self.tail;
         if !is_same {
@@ -142,6 +144,19 @@ impl Seam {
         file.set_len(self.length).map_err(failed)?;
         (&file).seek(SeekFrom::Start(self.length)).map_err(failed)?;
         Ok(file)
+    }
+}
+
+/// Keeps a file to the run that writes it, as long as that has it open: a second one that goes on in
+/// it would overwrite the first one's rows.
+fn hold(file: &File, path: &Path) -> Result<(), RunDirError> {
+    match file.try_lock() {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => Err(RunDirError::Refused(format!(
+            "`{}` is still being written: its run is under way (perhaps stopped, by Ctrl-Z); end that one first",
+            path.display()
+        ))),
+        Err(TryLockError::Error(cause)) => Err(RunDirError::Write { path: path.to_owned(), cause }),
     }
 }
 
@@ -211,6 +226,9 @@ mod tests {
         file.write_all(&[7; 1000]).unwrap();
         let seam = Seam::at_end(&file, &path).unwrap();
         file.write_all(b"later").unwrap();
+        let reason = seam.reopen(&path).unwrap_err().to_string();
+        assert!(reason.contains("under way"), "{reason}");
+        drop(file);
         seam.reopen(&path).unwrap().write_all(b"again").unwrap();
         let mut expected = vec![7; 1000];
         expected.extend(b"again");

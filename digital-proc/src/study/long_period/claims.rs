@@ -153,7 +153,7 @@ fn l2(results: &LongPeriodResults) -> Claim {
         .filter(|m| m.reversed.as_ref().is_some_and(|f| f.exceeds(accept)))
         .collect();
     let was_reversed = results.modes.iter().any(|m| m.reversed.is_some());
-    let in_part = was_reversed && reversed.len() != 1;
+    let in_part = verdict == Verdict::Holds && was_reversed && reversed.len() != 1;
     Claim {
         id: "L2".into(),
         evidence: Q_ALPHA,
@@ -272,7 +272,10 @@ fn l3(results: &LongPeriodResults) -> Claim {
         } else {
             measured.join("; ")
         },
-        verdict: if reduced.is_empty() { Verdict::NotJudged } else { Verdict::of(holds) },
-        remark: None,
+        verdict: if reduced.is_empty() { Verdict::NotJudged } else { Verdict::of(holds) }
+            .in_part_unless(false),
+        remark: (!reduced.is_empty()).then(|| {
+            "not re-evaluated with the short-period models here: `case-study` does".to_owned()
+        }),
     }
 }

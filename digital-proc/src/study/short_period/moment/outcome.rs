@@ -3,7 +3,7 @@
 
 use super::super::{
     claims::NORMAL,
-    control_loop::{ControlLoop, Test},
+    control_loop::{ControlLoop, Offset, Test},
     outcome::place,
     results::{Results, Run},
 };
@@ -26,22 +26,31 @@ pub fn fill(results: &Results, out: &mut Outcome) {
         // An undisturbed step bends little.
         let runs: Vec<&Run> =
             results.of(control_loop).filter(|r| r.case.test != Test::StepOnly).collect();
-        let Some(worst) = worst(&runs) else { continue };
+        // Only one condition has the other offsets; what is compared starts from the same one.
+        let alike: Vec<&Run> = runs.iter().copied().filter(|r| starts_like_all(r)).collect();
+        let Some(worst) = worst(&alike) else { continue };
         let (key, plane) = match control_loop {
             ControlLoop::Pitch => ("pitch", "pitch"),
             ControlLoop::YawRoll => ("yaw_roll", "yaw"),
         };
         out.section("Bending moment").aside(EXPLAINED);
         if results.plan.conditions.len() > 1 && results.plan.points.len() > 1 {
-            let figure = matrix(&format!("matrix-moment-{plane}"), plane, results, &runs);
+            let figure = matrix(&format!("matrix-moment-{plane}"), plane, results, &alike);
             out.section("Bending moment").figure(figure);
         }
-        let figures = figures(plane, results, &runs, worst);
+        let figures = figures(plane, results, &alike, worst);
         out.section("Bending moment").beside(figures).long_table(
             format!("{key}_moments"),
             format!("Greatest bending moment of each run in {plane}, with the modes and without, and with them at ten stations."),
             table(&runs),
         );
+    }
+}
+
+fn starts_like_all(run: &Run) -> bool {
+    match run.case.test {
+        Test::Disturbed | Test::StepOnly => true,
+        Test::Shared(offset) | Test::Dedicated(offset) => offset == Offset::Both,
     }
 }
 

@@ -88,7 +88,9 @@ pub fn heat_map(map: &HeatMap) -> Markup {
                 span.nobreak { (typeset(low, DIGITS)) " " span.ramp {} " " (typeset(high, DIGITS)) }
                 " "
             }
-            span.nobreak { "✗ outside the criterion" }
+            @if map.cells.iter().flatten().any(|cell| cell.violated) {
+                span.nobreak { "✗ outside the criterion" }
+            }
         }
     }
 }
