@@ -1,6 +1,6 @@
 //! The paper's whole case study (§4) in one session: short period, long period, tankage, the
-//! catalogue of failures, and sensitivities to dispersed parameters. It runs the studies after one another and composes
-//! what they came to; judging and drawing are their own.
+//! catalogue of failures, and sensitivities to dispersed parameters. It runs the studies after one
+//! another and composes what they came to; judging and drawing are their own.
 
 use super::{
     catalogue::{self, Catalogue, CataloguePlan},

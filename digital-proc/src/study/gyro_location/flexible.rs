@@ -155,7 +155,6 @@ mod tests {
             second.push(roots[1].unwrap().damping());
             third.push(roots[2].unwrap().damping());
         }
-        println!("{second:?} {third:?}");
         let within =
             |all: &[f64], low: f64, high: f64| all.iter().all(|z| (low..=high).contains(z));
         assert!(within(&second, 0.0105, 0.0205), "{second:?}");

@@ -4,6 +4,7 @@ use super::{
     flexible::Actuator,
     run::{FilterChoice, LoopMargin, Station, Survey, nominal_station_m, slope_pm},
 };
+use crate::study::short_period::metrics::worst_of;
 use desk::{
     outcome::Outcome,
     report::{
@@ -270,8 +271,7 @@ fn filters(survey: &Survey, vehicle: &Vehicle, out: &mut Outcome) {
 
 fn checks(survey: &Survey, out: &mut Outcome) {
     let worst = |pairs: &mut dyn Iterator<Item = (f64, f64)>| {
-        let apart = pairs.map(|(a, b)| ((a - b) / b).abs());
-        apart.fold(0.0, |m: f64, v| if v > m || v.is_nan() { v } else { m })
+        worst_of(pairs.map(|(a, b)| ((a - b) / b).abs()))
     };
     let dampings = &mut survey.stations.iter().filter_map(|s| Some((s.machine[0]?, s.machine[1]?)));
     let apart = worst(dampings);

@@ -11,7 +11,7 @@ use crate::{
         short_period::{
             coefficients::{Disturbance, Plane, Settings},
             higher_modes::{free_free_slope, higher_modes},
-            linear::{ChannelGains, roots_of},
+            linear::{ChannelGains, model_matrix, model_roots},
             point::FrozenPoint,
         },
     },
@@ -120,10 +120,6 @@ fn model(
     console.linearise(inputs, outputs)
 }
 
-fn square(values: &[f64], order: usize) -> DMatrix<f64> {
-    DMatrix::from_row_slice(order, order, values)
-}
-
 /// ζ of the first mode by the machine, with both channels at work.
 fn machine_damping(
     console: &mut Console<'_>,
@@ -132,7 +128,7 @@ fn machine_damping(
 ) -> Result<Option<f64>, ConsoleFault> {
     let settings = Settings::pitch(point, &Disturbance::NONE, BEYOND_RAD);
     let model = model(console, &settings, &[], &[])?;
-    let roots = roots_of(square(&model.a, model.states.len()));
+    let roots = model_roots(&model);
     let pairs = roots.iter().filter(|r| r.imaginary > 0.0);
     let off = |imaginary: f64| (imaginary - first_radps).abs();
     let nearest = pairs.min_by(|a, b| off(a.imaginary).total_cmp(&off(b.imaginary)));
@@ -153,7 +149,7 @@ fn machine_opened(
     let model = model(console, &settings, &[input], &[output])?;
     let order = model.states.len();
     Ok(OpenLoop {
-        a: square(&model.a, order),
+        a: model_matrix(&model),
         b: DMatrix::from_row_slice(order, 1, &model.b),
         c: DMatrix::from_row_slice(1, order, &model.c) * gain,
     })

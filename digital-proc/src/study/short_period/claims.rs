@@ -23,6 +23,8 @@ pub const FTC_GAIN_LOST: &str = "ftc-gain-lost";
 pub const TVC_SLOW: &str = "tvc-slow";
 /// Name of the TVC time constant reduced to 0.005 s.
 pub const TVC_FAST: &str = "tvc-fast";
+/// Name of the gains of the interval to come.
+pub const GAINS_EARLY: &str = "gains-early";
 
 // Where the case study's report shows them.
 pub(super) const FIGURE_4: Evidence = Evidence::at("figure-4");

@@ -7,8 +7,9 @@
 
 use super::{
     coefficients::{Disturbance, Settings},
-    linear::{Root, roots_of},
+    linear::{Root, model_roots},
     machine::Patches,
+    metrics::worst_of,
     plan::Plan,
     point::FrozenPoint,
 };
@@ -29,7 +30,6 @@ use interface::{
     frame::{Samples, Updates},
     profile::Profile,
 };
-use nalgebra::DMatrix;
 
 /// When the gust ends that only the drift form can follow.
 const GUST_ENDS: Tick = Tick(2 * Tick::SECOND.0);
@@ -216,8 +216,7 @@ fn answer(
     let updates = console.settings(&form.values(settings))?;
     console.preset(&updates)?;
     let model = console.linearise(&[], &[])?;
-    let order = model.states.len();
-    let roots = roots_of(DMatrix::from_row_slice(order, order, &model.a));
+    let roots = model_roots(&model);
     let held = respond(console, plan, None)?;
     let ended = respond(console, plan, Some(GUST_ENDS))?;
     // The converter keeps what it was given last.
@@ -298,10 +297,7 @@ pub fn outcome(all: &[Apart], sample_s: f64) -> Outcome {
         ),
         Table::of(&columns, all),
     );
-    let worst = |of: fn(&Apart) -> f64| {
-        all.iter().map(of).fold(0.0, |m: f64, v| if v > m || v.is_nan() { v } else { m })
-    };
-    let responses = worst(|a| a.held.into_iter().fold(0.0, f64::max));
+    let responses = worst_of(all.iter().flat_map(|a| a.held));
     out.check(
         "responses",
         format!(
@@ -309,7 +305,7 @@ pub fn outcome(all: &[Apart], sample_s: f64) -> Outcome {
         ),
         responses < WITHIN,
     );
-    let roots = worst(|a| a.roots);
+    let roots = worst_of(all.iter().map(|a| a.roots));
     out.check(
         "eigenvalues",
         format!("and have the same eigenvalues: worst {roots:.1e}"),

@@ -6,6 +6,7 @@
 //! that range.
 
 use crate::matrix_exp::matrix_exp;
+use interface::control::LinearModel;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::coefficients::Plane;
@@ -200,6 +201,17 @@ pub fn roots_of(matrix: DMatrix<f64>) -> Vec<Root> {
             .then(b.imaginary.total_cmp(&a.imaginary))
     });
     roots
+}
+
+/// State matrix of the machine's linear model of a patch.
+pub fn model_matrix(model: &LinearModel) -> DMatrix<f64> {
+    let order = model.states.len();
+    DMatrix::from_row_slice(order, order, &model.a)
+}
+
+/// Its eigenvalues, as [`roots_of`] gives them.
+pub fn model_roots(model: &LinearModel) -> Vec<Root> {
+    roots_of(model_matrix(model))
 }
 
 /// Roots of a plane that matter for judging it.

@@ -4,6 +4,11 @@
 //! All work on uniformly sampled columns. A measure whose window holds too few
 //! samples, or that meets a non-finite sample, is `None`: it is never guessed.
 
+/// The greatest of some differences, none of them negative; NaN where one is.
+pub fn worst_of(differences: impl IntoIterator<Item = f64>) -> f64 {
+    differences.into_iter().fold(0.0, |m: f64, v| if v > m || v.is_nan() { v } else { m })
+}
+
 /// A window of problem time, s, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 #[serde(from = "[f64; 2]")]

@@ -10,7 +10,7 @@ use super::{
     control_loop::{ControlLoop, Response},
     machine::{Bench, Patches},
     measure::{ROLL_BAND_DEG, SATURATED, YAW_BAND},
-    metrics::{settling_s, time_beyond_s},
+    metrics::{settling_s, time_beyond_s, worst_of},
     plan::Plan,
     point::FrozenPoint,
     reference,
@@ -187,10 +187,7 @@ pub fn outcome(rows: &[Row]) -> Outcome {
         ),
         Table::of(&columns, rows),
     );
-    let apart = rows
-        .iter()
-        .flat_map(|r| r.apart)
-        .fold(0.0, |m: f64, v| if v > m || v.is_nan() { v } else { m });
+    let apart = worst_of(rows.iter().flat_map(|r| r.apart));
     out.check(
         "reference",
         format!(

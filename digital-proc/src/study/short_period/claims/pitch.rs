@@ -4,7 +4,8 @@ use super::super::control_loop::Test::{Disturbed, StepOnly};
 use super::super::plan::PlannedPoint;
 use super::super::results::{Results, Run};
 use super::{
-    BENDING, FIGURE_4, FTC_GAIN_LOST, NORMAL, OVERSHOOTS, RESIDUALS, TVC_FAST, TVC_SLOW, Worst,
+    BENDING, FIGURE_4, FTC_GAIN_LOST, GAINS_EARLY, NORMAL, OVERSHOOTS, RESIDUALS, TVC_FAST,
+    TVC_SLOW, Worst,
 };
 use desk::claim::{Claim, Verdict};
 
@@ -226,7 +227,8 @@ pub(super) fn p4(results: &Results) -> Claim {
                 quietest = Some((v, format!("{} at {point}", condition.name)));
             }
         } else {
-            others.push(format!("{} at {} ({})", condition.name, at.join(", "), worst.percent()));
+            let places = format!("{} ({})", at.join(", "), worst.percent());
+            others.push((condition.name.as_str(), places));
         }
     }
     let judged =
@@ -243,7 +245,10 @@ pub(super) fn p4(results: &Results) -> Claim {
         measured: match (others.is_empty(), &quietest) {
             (true, Some((most, at))) => format!("no other; most under {at}: {:.1} %", 100.0 * most),
             (true, None) => "no other condition was run".to_owned(),
-            (false, _) => format!("also under {}", others.join("; ")),
+            (false, _) => {
+                let told = others.iter().map(|(name, at)| format!("{name} at {at}"));
+                format!("also under {}", told.collect::<Vec<_>>().join("; "))
+            }
         },
         verdict: match quietest {
             _ if !judged => Verdict::NotJudged,
@@ -251,14 +256,11 @@ pub(super) fn p4(results: &Results) -> Claim {
             _ => Verdict::of(widespread.is_empty() && others.len() <= 1)
                 .in_part_unless(others.is_empty()),
         },
-        remark: matches!(&others[..], [only] if only.starts_with(GAINS_EARLY)).then(|| {
+        remark: matches!(others[..], [(GAINS_EARLY, _)]).then(|| {
             "not there: gains of another interval meet a vehicle they were not designed for, which the paper lists as a failure mode of its own and does not show".to_owned()
         }),
     }
 }
-
-/// The condition whose gains are those of the interval to come.
-const GAINS_EARLY: &str = "gains-early";
 
 fn bending<'a>(results: &'a Results, condition: &str, window: usize) -> Worst<'a> {
     let runs = results.under(condition, Disturbed);
